@@ -1,0 +1,5 @@
+"""The command ``igrip``."""
+
+
+def main() -> None:
+    """Run the command."""

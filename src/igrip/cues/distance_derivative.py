@@ -1,0 +1,21 @@
+"""Distance derivative: which object the hand comes nearer to, and how directly (paper: Eq. 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from igrip.cues.base import CueConfig, Scores, cue
+from igrip.geometry.scene import Geometry
+from igrip.motion.trajectory import Motion
+
+
+@cue("distance_derivative", order=1)
+def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
+    """Score ``-ḋ / v``, in [-1, 1] for resting objects; 0 below a least speed.
+
+    d is the distance to the centre of gravity. The paper prints ``ḋ / v``, which would choose the
+    object that recedes fastest (SPEC §5).
+    """
+    if motion.speed < config.least_speed or motion.speed == 0.0:
+        return np.zeros(len(geometry.centre_rate))
+    return -geometry.centre_rate / motion.speed

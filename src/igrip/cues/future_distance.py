@@ -1,0 +1,19 @@
+"""Future distance: which object the hand will soon be near (paper: Eq. 5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from igrip.cues.base import CueConfig, Scores, cue
+from igrip.geometry.scene import Geometry
+from igrip.motion.trajectory import Motion
+
+
+@cue("future_distance", order=0)
+def future_distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
+    """Score ``1 - min(d / d_max, 1)``, in [0, 1], d from the barycentre of the predicted points.
+
+    The paper prints ``max``, as for the distance (SPEC §5).
+    """
+    near = geometry.future_vertex if config.distance == "vertex" else geometry.future_surface
+    return 1.0 - np.minimum(near / config.spread(geometry), 1.0)

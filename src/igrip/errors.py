@@ -1,0 +1,72 @@
+"""The errors igrip raises; every one of them is an :class:`IgripError`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class IgripError(Exception):
+    """Base of all errors raised by igrip."""
+
+
+class ObservationError(IgripError, ValueError):
+    """A message is malformed. Nothing was changed by it.
+
+    Attributes
+    ----------
+    field : str
+        Path of the offending field, for example ``hands.right.position[0]``.
+    """
+
+    def __init__(self, field: str, problem: str) -> None:
+        super().__init__(f"{field}: {problem}")
+        self.field = field
+        self.problem = problem
+
+    def __reduce__(self) -> tuple[type[ObservationError], tuple[str, str]]:
+        return type(self), (self.field, self.problem)
+
+
+class ObjectsError(IgripError, ValueError):
+    """A catalogue of objects cannot be read or does not describe usable meshes."""
+
+
+class MeshUnitError(ObjectsError):
+    """A mesh is plainly not in metres and its unit was not declared."""
+
+
+class UnknownModelError(IgripError, KeyError):
+    """A catalogue holds no model of this name."""
+
+    def __str__(self) -> str:  # KeyError would print the message quoted
+        return str(self.args[0])
+
+
+class UnknownNameError(IgripError, ValueError):
+    """No member of a family (cue, targets estimator, grip selector, …) has this name."""
+
+    def __init__(self, family: str, name: str, choices: Iterable[str]) -> None:
+        self.family, self.name, self.choices = family, name, tuple(choices)
+        super().__init__(f"no {family} is named {name!r}; there are: {', '.join(self.choices)}")
+
+    def __reduce__(self) -> tuple[type[UnknownNameError], tuple[str, str, tuple[str, ...]]]:
+        return type(self), (self.family, self.name, self.choices)
+
+
+class RecordingError(IgripError, ValueError):
+    """A recording cannot be read; the message names the file and the line."""
+
+
+class DatasetError(IgripError, ValueError):
+    """A dataset folder is incomplete or contradicts itself."""
+
+
+class MissingExtraError(IgripError, ImportError):
+    """An optional dependency is not installed; the message says how to get it."""
+
+    def __init__(self, package: str, extra: str, purpose: str) -> None:
+        super().__init__(f"{purpose} needs the package {package!r}: pip install 'igrip[{extra}]'")
+        self.package, self.extra, self.purpose = package, extra, purpose
+
+    def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str, str]]:
+        return type(self), (self.package, self.extra, self.purpose)

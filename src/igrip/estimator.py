@@ -1,0 +1,168 @@
+"""The loop: from an observation to the intention of each hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from igrip.config import Config
+from igrip.cues import CUES
+from igrip.geometry.scene import Geometry, Placed, Scene
+from igrip.grips import GRIPS, Grip
+from igrip.intention import Intention, Status
+from igrip.motion.hand import HandTrack
+from igrip.objects.catalog import Catalog
+from igrip.observation import Observation
+from igrip.targets import TARGETS, Belief, TargetsEstimator
+from igrip.targets.base import Scores
+from igrip.world import World
+
+CUE_NAMES = ("impacts", "distance_derivative", "distance", "future_distance")
+
+
+class Estimator:
+    """Says which object each hand will grasp, and with which grip.
+
+    Parameters
+    ----------
+    catalog : Catalog
+        The objects that may be there (:func:`igrip.load_objects`).
+    config : Config, optional
+        All parameters.
+
+    Raises
+    ------
+    UnknownNameError
+        If the configuration names a targets estimator or grip selector that does not exist.
+
+    Examples
+    --------
+    >>> import igrip
+    >>> estimator = igrip.Estimator(igrip.load_objects("ycb"))
+    >>> seen = igrip.Observation(t=0.0, hands={"right": {"position": [0, 0, 0]}})
+    >>> estimator.update(seen)[0].status
+    'warming_up'
+    """
+
+    def __init__(self, catalog: Catalog, config: Config | None = None) -> None:
+        self.config = config = config or Config()
+        self._world = World(catalog, config.world, config.motion, config.objects, config.health)
+        self._scene = Scene(config.rays)
+        self._cues = [CUES.get(name) for name in CUE_NAMES]
+        self._new_targets = TARGETS.get(config.targets)
+        self._grips = GRIPS.get(config.grips)(config.grip)
+        self._targets: dict[str, tuple[int, TargetsEstimator]] = {}
+        self._statuses: dict[str, Status] = {}
+
+    def update(self, observation: Observation) -> list[Intention]:
+        """Take one message.
+
+        Parameters
+        ----------
+        observation : Observation
+            Not older than the last.
+
+        Returns
+        -------
+        list of Intention
+            One for each hand that was measured in the message or whose status it changed, by id.
+
+        Raises
+        ------
+        ObservationError
+            If the message contradicts earlier ones (time decreases, an id changes its model);
+            nothing is changed by it.
+        """
+        measured = self._world.take(observation)  # health, motion
+        objects = self._world.placed()
+        ready = [hand for hand in measured if hand.status in ("idle", "reaching")]
+        motions = [hand.motion for hand in ready if hand.motion is not None]
+        intentions = {}
+        for hand, motion, geometry in zip(
+            ready, motions, self._scene.measure(motions, objects), strict=True
+        ):
+            cues = {cue.name: cue.score(motion, geometry, self.config.cues) for cue in self._cues}
+            belief = self._targets_of(hand).update(motion, geometry, cues)
+            grip = self._grips.select(belief, geometry)
+            intentions[hand.id] = self._intention(hand, geometry, cues, belief, grip)
+        return self._complete(intentions, measured)
+
+    @property
+    def objects(self) -> list[Placed]:
+        """The objects that can be used now, with their filtered poses."""
+        return self._world.placed()
+
+    @property
+    def hands(self) -> dict[str, HandTrack]:
+        """The hands that are followed, by id; to be read, not written."""
+        return dict(self._world.hands)
+
+    @property
+    def scene(self) -> Scene:
+        """The geometry, to draw its rays and count its work."""
+        return self._scene
+
+    def inputs(self) -> dict[str, Any]:
+        """Return status, reason, age and counts of every hand and object, as plain data."""
+        return self._world.report()
+
+    def _targets_of(self, hand: HandTrack) -> TargetsEstimator:
+        """Return the estimator of a hand; a new one where the hand's stream began anew."""
+        restarts, estimator = self._targets.get(hand.id, (-1, None))
+        if estimator is None or restarts != hand.gate.counts["restarts"]:
+            estimator = self._new_targets()
+            self._targets[hand.id] = (hand.gate.counts["restarts"], estimator)
+        return estimator
+
+    def _intention(
+        self,
+        hand: HandTrack,
+        geometry: Geometry,
+        cues: dict[str, Scores],
+        belief: Belief,
+        grip: Grip,
+    ) -> Intention:
+        """Put one hand's result into words and numbers."""
+        assert hand.motion is not None
+        ids = [placed.id for placed in geometry.objects]
+        target = None if belief.target is None else geometry.objects[belief.target]
+        contact = None if target is None else self._scene.contact(hand.motion, target)
+        columns = {**cues, "global": belief.scores}
+        scores = {
+            id: {name: float(column[o]) for name, column in columns.items()}
+            for o, id in enumerate(ids)
+        }
+        probability = None
+        if belief.probability is not None:
+            probability = dict(zip([*ids, "none"], map(float, belief.probability), strict=True))
+        return Intention(
+            t=self._world.t,
+            hand=hand.id,
+            status=hand.status,
+            reason=hand.reason(self._world.t) or self._world.trouble(),
+            target=target.id if target else None,
+            target_model=target.model.name if target else None,
+            confidence=None if belief.target is None else float(belief.scores[belief.target]),
+            grip=grip.name,
+            grip_probability=None if grip.probability is None else dict(grip.probability),
+            time_to_contact=contact[0] if contact else None,
+            contact=contact[1] if contact else None,
+            probability=probability,
+            scores=scores,
+        )
+
+    def _complete(
+        self, answered: dict[str, Intention], measured: list[HandTrack]
+    ) -> list[Intention]:
+        """Add the hands without an answer that were measured or whose status changed."""
+        now = self._world.t
+        self._statuses = {
+            id: status for id, status in self._statuses.items() if id in self._world.hands
+        }
+        for id, hand in self._world.hands.items():
+            changed = hand.status != self._statuses.get(id)
+            if id not in answered and (changed or hand in measured):
+                answered[id] = Intention(
+                    t=now, hand=id, status=hand.status, reason=hand.reason(now)
+                )
+            self._statuses[id] = hand.status
+        return [answered[id] for id in sorted(answered)]

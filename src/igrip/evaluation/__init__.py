@@ -1,0 +1,1 @@
+"""How well an estimator does on recordings: pure functions from arrays to arrays."""

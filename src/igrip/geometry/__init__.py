@@ -1,0 +1,1 @@
+"""Rays and distances between hands and meshes: one compiled kernel over static trees."""

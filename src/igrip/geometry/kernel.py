@@ -1,0 +1,296 @@
+"""The one compiled kernel of a frame: every hand against every object."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from igrip.compiled import kernel
+from igrip.geometry.query import cast_ray, nearest
+
+# columns of a cone description, see measure()
+SLOW, SLOW_TANGENT, FAST, FAST_TANGENT, LEAST = 0, 1, 2, 3, 4
+RAYS, RAY_NODES, POINT_NODES = 2, 0, 1  # counters
+_STACK = 128
+
+
+@kernel
+def cone_tangent(speed, cone):
+    """Return the tangent of the half-angle of the cone at a local speed, interpolated linearly."""
+    part = (speed - cone[SLOW]) / (cone[FAST] - cone[SLOW])
+    part = min(1.0, max(0.0, part))
+    return np.tan(
+        np.arctan(cone[SLOW_TANGENT])
+        + part * (np.arctan(cone[FAST_TANGENT]) - np.arctan(cone[SLOW_TANGENT]))
+    )
+
+
+@kernel
+def _perpendicular(ax, ay, az, wx, wy, wz):
+    """Return the unit part of w at right angles to the unit vector a, and whether there is one."""
+    along = ax * wx + ay * wy + az * wz
+    ux, uy, uz = wx - along * ax, wy - along * ay, wz - along * az
+    length = np.sqrt(ux * ux + uy * uy + uz * uz)
+    size = np.sqrt(wx * wx + wy * wy + wz * wz)
+    if not length > 1e-9 * size:
+        return 0.0, 0.0, 0.0, False
+    return ux / length, uy / length, uz / length, True
+
+
+@kernel
+def cone_frame(p, v, sphere, axis, frame):
+    """Place a cone: its axis along v, its roll fixed by the object alone.
+
+    The ray pattern has to be turned somehow about the axis. Anything tied to the world would make
+    the number of impacts depend on how the world is turned, so the first ray of the pattern leans
+    towards the centre of the object.
+
+    Parameters
+    ----------
+    p, v : (3,)
+        Apex and velocity, in the frame of the mesh.
+    sphere : (4,)
+        Bounding sphere of the mesh, centre and radius [m].
+    axis : (3, 3)
+        Object axes by columns, a fallback where the centre lies on the cone's axis.
+    frame : (3, 3), written
+        Rows: the unit axis and two unit vectors at right angles to it.
+    """
+    speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    ax, ay, az = v[0] / speed, v[1] / speed, v[2] / speed
+    ux, uy, uz, found = _perpendicular(
+        ax, ay, az, sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
+    )
+    for column in (2, 0):
+        if not found:
+            ux, uy, uz, found = _perpendicular(
+                ax, ay, az, axis[0, column], axis[1, column], axis[2, column]
+            )
+    frame[0, 0], frame[0, 1], frame[0, 2] = ax, ay, az
+    frame[1, 0], frame[1, 1], frame[1, 2] = ux, uy, uz
+    frame[2, 0], frame[2, 1] = ay * uz - az * uy, az * ux - ax * uz
+    frame[2, 2] = ax * uy - ay * ux
+
+
+@kernel
+def ray_direction(frame, tangent, pattern, k, out):
+    """Write the direction of ray k of the pattern; its component along the axis is 1."""
+    a, b = tangent * pattern[k, 0], tangent * pattern[k, 1]
+    for axis in range(3):
+        out[axis] = frame[0, axis] + a * frame[1, axis] + b * frame[2, axis]
+
+
+@kernel
+def _to_mesh(rotation, translation, p, out):
+    x, y, z = p[0] - translation[0], p[1] - translation[1], p[2] - translation[2]
+    for axis in range(3):
+        out[axis] = rotation[0, axis] * x + rotation[1, axis] * y + rotation[2, axis] * z
+
+
+@kernel
+def _turn_to_mesh(rotation, v, out):
+    for axis in range(3):
+        out[axis] = rotation[0, axis] * v[0] + rotation[1, axis] * v[1] + rotation[2, axis] * v[2]
+
+
+@kernel
+def _cone_can_meet(frame, tangent, p, sphere):
+    """Whether any ray inside the cone can meet the bounding sphere."""
+    cx, cy, cz = sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
+    radius = sphere[3]
+    along = frame[0, 0] * cx + frame[0, 1] * cy + frame[0, 2] * cz
+    distance2 = cx * cx + cy * cy + cz * cz
+    if distance2 <= radius * radius:
+        return True
+    # distance of the centre from the surface of the cone, in the plane through axis and centre
+    across = np.sqrt(max(0.0, distance2 - along * along))
+    cosine = 1.0 / np.sqrt(1.0 + tangent * tangent)
+    sine = tangent * cosine
+    if across * cosine - along * sine > radius:
+        return False
+    return along * cosine + across * sine > -radius
+
+
+@kernel
+def _ray_can_meet(d, p, sphere):
+    cx, cy, cz = sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
+    distance2 = cx * cx + cy * cy + cz * cz
+    radius2 = sphere[3] * sphere[3]
+    if distance2 <= radius2:
+        return True
+    along = d[0] * cx + d[1] * cy + d[2] * cz
+    if along <= 0.0:
+        return False
+    length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    return distance2 - along * along / length2 <= radius2
+
+
+@kernel
+def measure(
+    boxes, links, triangles, starts, spheres, axes, models, rotations, translations,
+    positions, futures, future_velocities, pattern, cone, hits, distances, counters,
+):  # fmt: skip
+    """Measure every hand against every object.
+
+    Parameters
+    ----------
+    boxes, links, triangles
+        Trees of all meshes, one after the other (:class:`igrip.geometry.bvh.Bvh`).
+    starts : (m, 2) int64
+        First node and first triangle of each mesh.
+    spheres : (m, 4), axes : (m, 3, 3)
+        Bounding sphere and object axes of each mesh, in its frame.
+    models : (o,) int64
+        Which mesh each object has.
+    rotations : (o, 3, 3), translations : (o, 3)
+        World-from-mesh pose of each object.
+    positions : (h, 3), futures, future_velocities : (h, f, 3)
+        Hands, their predicted points and velocities, world frame [m, m/s].
+    pattern : (r, 2)
+        Rays of a cone on the unit disc; the first is the axis.
+    cone : (5,)
+        Slow speed, its tangent, fast speed, its tangent, least speed for a cone.
+    hits : (h, o) int64, written
+        Number of rays that meet the mesh; objects do not hide one another.
+    distances : (4, h, o), written
+        To the nearest vertex and surface point from the hand, then both from the barycentre of its
+        predicted points [m].
+    counters : (3,) int64, added to
+        Tree nodes visited by rays and by nearest-point queries, and rays cast.
+    """
+    stack = np.empty(_STACK, dtype=np.int32)
+    near_stack = np.empty(_STACK)
+    p, v, d = np.empty(3), np.empty(3), np.empty(3)
+    frame = np.empty((3, 3))
+    barycentre = np.empty(3)
+    for h in range(positions.shape[0]):
+        points = futures.shape[1]
+        for axis in range(3):
+            total = 0.0
+            for k in range(points):
+                total += futures[h, k, axis]
+            barycentre[axis] = total / points
+        for o in range(models.shape[0]):
+            model = models[o]
+            node0, triangle0 = starts[model, 0], starts[model, 1]
+            sphere = spheres[model]
+            for query in range(2):
+                _to_mesh(
+                    rotations[o], translations[o], positions[h] if query == 0 else barycentre, p
+                )
+                vertex, surface, _, _, _ = nearest(
+                    boxes, links, triangles, node0, triangle0, p[0], p[1], p[2], True,
+                    stack, near_stack, counters,
+                )  # fmt: skip
+                distances[2 * query, h, o] = vertex
+                distances[2 * query + 1, h, o] = surface
+            met = 0
+            for k in range(points):
+                _turn_to_mesh(rotations[o], future_velocities[h, k], v)
+                speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+                if not speed >= cone[LEAST] or speed == 0.0:
+                    continue
+                _to_mesh(rotations[o], translations[o], futures[h, k], p)
+                tangent = cone_tangent(speed, cone)
+                cone_frame(p, v, sphere, axes[model], frame)
+                counters[RAYS] += pattern.shape[0]
+                if not _cone_can_meet(frame, tangent, p, sphere):
+                    continue
+                for ray in range(pattern.shape[0]):
+                    ray_direction(frame, tangent, pattern, ray, d)
+                    if not _ray_can_meet(d, p, sphere):
+                        continue
+                    t = cast_ray(
+                        boxes, links, triangles, node0, triangle0,
+                        p[0], p[1], p[2], d[0], d[1], d[2], True, stack, counters,
+                    )  # fmt: skip
+                    if t < np.inf:
+                        met += 1
+            hits[h, o] = met
+
+
+@kernel
+def cone_impacts(
+    boxes, links, triangles, start, sphere, axis, rotation, translation,
+    future, future_velocity, pattern, cone, directions, lengths,
+):  # fmt: skip
+    """Cast the same rays as :func:`measure` for one pair and keep where they go, to be drawn.
+
+    ``directions`` (f, r, 3), world frame, and ``lengths`` (f, r), infinity for a miss, are written;
+    NaN directions mark points without a cone.
+    """
+    stack = np.empty(_STACK, dtype=np.int32)
+    counters = np.zeros(3, dtype=np.int64)
+    p, v, d = np.empty(3), np.empty(3), np.empty(3)
+    frame = np.empty((3, 3))
+    for k in range(future.shape[0]):
+        _turn_to_mesh(rotation, future_velocity[k], v)
+        speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+        if not speed >= cone[LEAST] or speed == 0.0:
+            directions[k] = np.nan
+            lengths[k] = np.inf
+            continue
+        _to_mesh(rotation, translation, future[k], p)
+        tangent = cone_tangent(speed, cone)
+        cone_frame(p, v, sphere, axis, frame)
+        for ray in range(pattern.shape[0]):
+            ray_direction(frame, tangent, pattern, ray, d)
+            lengths[k, ray] = cast_ray(
+                boxes, links, triangles, start[0], start[1],
+                p[0], p[1], p[2], d[0], d[1], d[2], False, stack, counters,
+            )  # fmt: skip
+            for i in range(3):
+                directions[k, ray, i] = (
+                    rotation[i, 0] * d[0] + rotation[i, 1] * d[1] + rotation[i, 2] * d[2]
+                )
+
+
+@kernel
+def approach(
+    boxes, links, triangles, start, rotation, translation, coefficients, reach, limit, out
+):
+    """Find when a predicted path first comes within ``reach`` of the surface of one mesh.
+
+    Conservative advancement: the distance cannot shrink faster than the highest speed that is still
+    to come, so each step of time is safe, and the first crossing is not stepped over.
+
+    Parameters
+    ----------
+    boxes, links, triangles, start, rotation, translation
+        The mesh and its pose, as for :func:`measure`.
+    coefficients : (3, 3)
+        Path c0 + c1 s + c2 s², world frame.
+    reach, limit : float
+        Distance [m] and latest time [s].
+    out : (4,), written
+        Time [s] (NaN: not before the limit) and the nearest surface point, mesh frame [m].
+    """
+    stack = np.empty(_STACK, dtype=np.int32)
+    near_stack = np.empty(_STACK)
+    counters = np.zeros(3, dtype=np.int64)
+    world, p = np.empty(3), np.empty(3)
+    last2 = 0.0
+    for axis in range(3):
+        last2 += (coefficients[1, axis] + 2.0 * limit * coefficients[2, axis]) ** 2
+    s = 0.0
+    out[0] = np.nan
+    for _ in range(100):
+        now2 = 0.0
+        for axis in range(3):
+            world[axis] = coefficients[0, axis] + s * (
+                coefficients[1, axis] + s * coefficients[2, axis]
+            )
+            now2 += (coefficients[1, axis] + 2.0 * s * coefficients[2, axis]) ** 2
+        _to_mesh(rotation, translation, world, p)
+        _, surface, x, y, z = nearest(
+            boxes, links, triangles, start[0], start[1], p[0], p[1], p[2], False,
+            stack, near_stack, counters,
+        )  # fmt: skip
+        if surface <= reach + 1e-4:
+            out[0], out[1], out[2], out[3] = s, x, y, z
+            return
+        fastest = np.sqrt(max(now2, last2))  # speed along a parabola is convex: an end is fastest
+        if not fastest > 1e-6:
+            return
+        s += (surface - reach) / fastest
+        if not s <= limit:
+            return

@@ -1,0 +1,37 @@
+"""What a grip selector is: from where a hand is beside its target to the grip for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple, Protocol
+
+from igrip.geometry.scene import Geometry
+from igrip.registry import Registry
+from igrip.settings import Settings, quantity
+from igrip.targets.base import Belief
+
+
+class GripConfig(Settings):
+    """Parameters of the grip selectors."""
+
+    pinch_from: float = quantity(
+        0.85, "half-lengths", "a hand this far along the axis pinches", "paper: Eq. 11", gt=0
+    )
+
+
+class Grip(NamedTuple):
+    """A grip, and the probability of each where the selector is calibrated."""
+
+    name: str | None
+    probability: Mapping[str, float] | None = None
+
+
+class GripSelector(Protocol):
+    """Selects the grip of one hand."""
+
+    def select(self, belief: Belief, geometry: Geometry) -> Grip:
+        """Return the grip for the target that is believed in."""
+        ...
+
+
+GRIPS: Registry[Callable[[GripConfig], GripSelector]] = Registry("grip selector", "igrip.grips")

@@ -1,0 +1,37 @@
+"""The paper's rule: beside the body of an object palmar, at its ends pinch (Eqs. 11, 12)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.geometry.scene import Geometry
+from igrip.grips.base import GRIPS, Grip, GripConfig
+from igrip.targets.base import Belief
+
+
+def is_pinch(
+    axial: NDArray[np.float64], half_length: NDArray[np.float64], pinch_from: float
+) -> NDArray[np.bool_]:
+    """Return whether a hand at z = ``axial`` of the object frame pinches.
+
+    ``|z| >= 0.85 · half-length``. The paper compares with the full length of the cylinder, which
+    would put the border outside the object, against its own Figure 2 (SPEC §6).
+    """
+    return np.abs(axial) >= pinch_from * half_length
+
+
+@GRIPS.register("cylinder")
+class CylinderGrip:
+    """Selects by the present position of the hand along the axis of its target."""
+
+    def __init__(self, config: GripConfig) -> None:
+        self._pinch_from = config.pinch_from
+
+    def select(self, belief: Belief, geometry: Geometry) -> Grip:
+        """Return the grip for the target, none without one."""
+        if belief.target is None:
+            return Grip(None)
+        axial = geometry.axial[belief.target]
+        pinch = is_pinch(axial, geometry.half_length[belief.target], self._pinch_from)
+        return Grip("pinch" if pinch else "palmar")

@@ -1,0 +1,103 @@
+"""What igrip says of one hand: its status, target, grip, confidence and time to contact."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import msgspec
+
+from igrip.observation import SCHEMA, Vector
+
+Status = Literal["warming_up", "idle", "reaching", "holding", "lost", "invalid"]
+
+
+class Commitment(msgspec.Struct, frozen=True, kw_only=True):
+    """A lease: permission to *start* an action, until ``valid_until`` and not longer.
+
+    Parameters
+    ----------
+    target, grip : str
+        What the action is for.
+    since, valid_until : float
+        When it was first given and when it ends, on the clock of the messages [s].
+    """
+
+    target: str
+    grip: str
+    since: float
+    valid_until: float
+
+
+class Intention(msgspec.Struct, frozen=True, kw_only=True):
+    """The state of one hand after one message.
+
+    Parameters
+    ----------
+    t : float
+        Time of the message that led to it [s].
+    hand : str
+        Id of the hand.
+    status : str
+        ``warming_up``, ``idle``, ``reaching``, ``holding``, ``lost`` or ``invalid``.
+    reason : str or None
+        Why there is no answer, or what is wrong with an input, in words.
+    target, target_model : str or None
+        Id of the object the hand is going for, and its model. None: no decision.
+    confidence : float or None
+        The estimator's score of that target.
+    grip : str or None
+        The grip for the target: ``palmar`` or ``pinch``.
+    grip_probability : dict or None
+        Probability of each grip; None for a rule that is not calibrated.
+    time_to_contact : float or None
+        Seconds until the palm is at the distance of a grasp; None: not within the horizon.
+    contact : 3 floats or None
+        Where on the target's surface that is, world frame [m].
+    probability : dict or None
+        Probability of each object and of ``none``; None for estimators that are not calibrated.
+    scores : dict
+        For each object, the score of each cue and the ``global`` one.
+    commitment : Commitment or None
+        Permission to act. None: none.
+    """
+
+    t: float
+    hand: str
+    status: Status
+    reason: str | None = None
+    target: str | None = None
+    target_model: str | None = None
+    confidence: float | None = None
+    grip: str | None = None
+    grip_probability: dict[str, float] | None = None
+    time_to_contact: float | None = None
+    contact: Vector | None = None
+    probability: dict[str, float] | None = None
+    scores: dict[str, dict[str, float]] = {}
+    commitment: Commitment | None = None
+    schema: Literal["igrip/1"] = SCHEMA
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain dictionaries, lists and numbers."""
+        message: dict[str, Any] = msgspec.to_builtins(self)
+        return {"schema": message.pop("schema"), **message}
+
+    def to_json(self) -> bytes:
+        """Return one line of JSON, without a line break."""
+        return msgspec.json.encode(self.to_dict())
+
+    @classmethod
+    def from_json(cls, line: bytes | str) -> Intention:
+        """Read what :meth:`to_json` wrote.
+
+        Raises
+        ------
+        msgspec.ValidationError
+            If the text is not an intention.
+        """
+        return msgspec.json.decode(line, type=cls)
+
+    @staticmethod
+    def json_schema() -> dict[str, Any]:
+        """Return the JSON schema of an intention."""
+        return msgspec.json.schema(Intention)

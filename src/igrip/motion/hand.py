@@ -1,0 +1,68 @@
+"""One hand as it is seen over time: its motion, its status and the reason for it."""
+
+from __future__ import annotations
+
+from igrip.health import Gate, HealthConfig
+from igrip.intention import Status
+from igrip.motion.trajectory import Motion, MotionConfig, Trajectory
+from igrip.observation import Hand
+
+
+class HandTrack:
+    """Health and motion of one hand.
+
+    Attributes
+    ----------
+    id : str
+        Its id in the messages.
+    motion : Motion or None
+        At its newest believed measurement; None while that does not suffice for a prediction.
+    """
+
+    def __init__(self, id: str, config: MotionConfig, health: HealthConfig) -> None:
+        self.id = id
+        self._config = config
+        self.gate = Gate(health, health.hand_limit)
+        self.trajectory = Trajectory(config)
+        self.motion: Motion | None = None
+        self._invalid: str | None = None
+        self._late = False
+
+    def update(self, now: float, hand: Hand) -> bool:
+        """Take a measurement that arrived at ``now`` [s]; return whether it counts as one."""
+        t = now if hand.t is None else hand.t
+        verdict = self.gate.judge(now, t, hand.position)
+        if verdict.action == "ignore":
+            return False
+        self._invalid = verdict.reason
+        if verdict.action == "refuse":
+            return True
+        if verdict.action == "restart":
+            self.trajectory.reset()
+        self.motion = self.trajectory.update(t, hand.position)
+        return True
+
+    def advance(self, now: float) -> None:
+        """Note that the time is ``now`` [s]."""
+        self._late = self.gate.is_late(now)
+
+    @property
+    def status(self) -> Status:
+        """What the hand is doing, as far as its input tells."""
+        if self._invalid is not None:
+            return "invalid"
+        if self._late:
+            return "lost"
+        if self.motion is None:
+            return "warming_up"
+        return "idle" if self.motion.reach.phase == "rest" else "reaching"
+
+    def reason(self, now: float) -> str | None:
+        """Why there is no answer for this hand, or what is wrong with its input, in words."""
+        if self._invalid is not None:
+            return self._invalid
+        if self._late:
+            return f"not measured for {now - self.gate.newest:.2f} s"
+        if self.motion is None:
+            return f"{len(self.trajectory)} of at least 3 samples for a prediction"
+        return self.gate.frozen()

@@ -1,0 +1,147 @@
+"""The recent trajectory of one hand, and its near future by weighted quadratic regression."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.motion.filters import OneEuroConfig, PositionFilter
+from igrip.motion.quadratic import fit_quadratic
+from igrip.motion.reach import Reach, ReachConfig, ReachDetector
+from igrip.observation import Vector
+from igrip.settings import Settings, quantity
+
+Array = NDArray[np.float64]
+
+
+class MotionConfig(Settings):
+    """Window, regression and prediction of a hand's motion."""
+
+    filter: OneEuroConfig = OneEuroConfig()
+    reach: ReachConfig = ReachConfig()
+    window: int = quantity(20, "samples", "n_f, length of the window", "SPEC §3", ge=3, le=1000)
+    window_duration: float = quantity(
+        1.0, "s", "samples older than this leave the window", "SPEC §3: bounded by time", gt=0
+    )
+    future_points: int = quantity(10, "1", "number of predicted points", "SPEC §3", ge=1, le=100)
+    horizon: float = quantity(0.3, "s", "time of the last predicted point", "SPEC §3", gt=0)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The motion of one hand at its newest sample. World frame.
+
+    Attributes
+    ----------
+    t : float
+        Time of the newest sample [s].
+    position : (3,)
+        Its filtered position [m].
+    coefficients : (3, 3)
+        Rows c0, c1, c2 of ``p(s) = c0 + c1 s + c2 s²``, s the time from ``t`` on.
+    velocity : (3,)
+        Of the polynomial at ``t`` [m/s].
+    speed : float
+        Its norm [m/s].
+    window_peak_speed : float or None
+        v_max_win: the highest speed over the window *before* this sample; None without one.
+    future : (m, 3)
+        Predicted positions [m].
+    future_velocity : (m, 3)
+        Predicted velocities [m/s].
+    reach : Reach
+        Phase of the movement.
+    """
+
+    t: float
+    position: Array
+    coefficients: Array
+    velocity: Array
+    speed: float
+    window_peak_speed: float | None
+    future: Array
+    future_velocity: Array
+    reach: Reach
+
+
+class Trajectory:
+    """Filter, sliding window and regression of one hand.
+
+    Parameters
+    ----------
+    config : MotionConfig
+        Its parameters.
+    """
+
+    def __init__(self, config: MotionConfig) -> None:
+        self._config = config
+        steps = np.arange(1, config.future_points + 1) * (config.horizon / config.future_points)
+        self._powers = np.stack([np.ones_like(steps), steps, steps**2], axis=1)
+        self._slopes = np.stack([np.zeros_like(steps), np.ones_like(steps), 2.0 * steps], axis=1)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything, as before the first sample."""
+        self._filter = PositionFilter(self._config.filter)
+        self._reach = ReachDetector(self._config.reach)
+        # twice the window, so that it can slide without moving on every sample
+        self._times = np.empty(2 * self._config.window)
+        self._positions = np.empty((2 * self._config.window, 3))
+        self._speeds = np.empty(2 * self._config.window)
+        self._first = self._end = 0
+
+    def __len__(self) -> int:
+        return self._end - self._first
+
+    @property
+    def past(self) -> Array:
+        """The filtered positions in the window, oldest first, shape (n, 3) [m]."""
+        return self._positions[self._first : self._end].copy()
+
+    def update(self, t: float, position: Vector) -> Motion | None:
+        """Take a sample measured at ``t`` [s], later than the last.
+
+        Returns
+        -------
+        Motion or None
+            None while the window does not determine the regression.
+        """
+        filtered = self._filter.update(t, position)
+        self._append(t, filtered)
+        coefficients = np.empty((3, 3))
+        window = slice(self._first, self._end)
+        if not fit_quadratic(self._times[window], self._positions[window], coefficients):
+            return None
+        velocity = coefficients[1]
+        speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2 + velocity[2] ** 2)
+        earlier = self._speeds[self._first : self._end - 1]
+        peak = float(earlier.max(initial=-1.0))
+        self._speeds[self._end - 1] = speed
+        return Motion(
+            t=t,
+            position=self._positions[self._end - 1].copy(),
+            coefficients=coefficients,
+            velocity=velocity,
+            speed=speed,
+            window_peak_speed=peak if peak >= 0.0 else None,
+            future=self._powers @ coefficients,
+            future_velocity=self._slopes @ coefficients,
+            reach=self._reach.update(t, filtered, speed),
+        )
+
+    def _append(self, t: float, position: Vector) -> None:
+        if self._end == len(self._times):
+            kept = self._end - self._first
+            for buffer in (self._times, self._positions, self._speeds):
+                buffer[:kept] = buffer[self._first : self._end]
+            self._first, self._end = 0, kept
+        self._times[self._end] = t
+        self._positions[self._end] = position
+        self._speeds[self._end] = -1.0  # no regression, no speed
+        self._end += 1
+        oldest = t - self._config.window_duration
+        while self._end - self._first > self._config.window or self._times[self._first] < oldest:
+            self._first += 1

@@ -1,0 +1,190 @@
+"""Catalogues: models of objects by name, built once and kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from igrip.compiled import cache_directory
+from igrip.errors import ObjectsError, UnknownModelError
+from igrip.geometry.bvh import Bvh
+from igrip.objects.model import ObjectModel, build_model
+from igrip.objects.sources import (
+    MeshFile,
+    Primitive,
+    folder_meshes,
+    parse_primitive,
+    ycb_meshes,
+)
+
+YCB = "ycb"
+PAPER_OBJECTS = (
+    "003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser",
+)  # fmt: skip
+_CACHED_BY = ("objects/model.py", "objects/sources.py", "geometry/bvh.py")
+
+
+class Catalog(Mapping[str, ObjectModel]):
+    """Models of objects by name or alias. A model is built or read when it is first asked for.
+
+    Parameters
+    ----------
+    *sources : str or Path
+        What :func:`load_objects` accepts.
+    """
+
+    def __init__(self, *sources: str | Path) -> None:
+        self._sources = sources
+        self._meshes: dict[str, MeshFile | Primitive] = {}
+        self._aliases: dict[str, str] = {}
+        self._models: dict[str, ObjectModel] = {}
+        for source in sources:
+            for mesh in _meshes_of(source):
+                self._add(mesh)
+
+    def _add(self, mesh: MeshFile | Primitive) -> None:
+        for name in (mesh.name, *mesh.options.alias):
+            if self._meshes.get(self._aliases.get(name, name), mesh) != mesh:
+                raise ObjectsError(f"two objects are named {name!r}")
+            self._aliases[name] = mesh.name
+        self._meshes[mesh.name] = mesh
+
+    def __getitem__(self, name: str) -> ObjectModel:
+        """Return a model by name or alias.
+
+        Raises
+        ------
+        UnknownModelError
+            If the catalogue has none of this name.
+        ObjectsError
+            If its file cannot be used.
+        """
+        try:
+            own = self._aliases[name]
+        except (KeyError, TypeError):
+            raise UnknownModelError(f"the catalogue has no model {name!r:.80}") from None
+        if own not in self._models:
+            self._models[own] = _load(self._meshes[own])
+        return self._models[own]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._meshes)
+
+    def __len__(self) -> int:
+        return len(self._meshes)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._aliases
+
+    def __reduce__(self) -> tuple[Any, tuple[str | Path, ...]]:
+        return Catalog, self._sources
+
+    def __repr__(self) -> str:
+        return f"Catalog of {len(self)} models from {', '.join(map(str, self._sources))}"
+
+
+def load_objects(*sources: str | Path) -> Catalog:
+    """Open a catalogue of objects.
+
+    Parameters
+    ----------
+    *sources : str or Path
+        Any number of: ``"ycb"``, the YCB set; a folder of meshes, with an optional
+        ``objects.toml`` (:class:`igrip.objects.sources.MeshOptions`); a primitive such as
+        ``"box:0.07x0.16x0.21"`` or ``"cylinder:0.033x0.10"`` (radius, height) in metres.
+
+    Raises
+    ------
+    ObjectsError
+        If a source does not exist, cannot be read, or two objects share a name.
+    MeshUnitError
+        If a mesh of a folder is plainly not in metres; the message says how to declare its unit.
+
+    Examples
+    --------
+    >>> len(load_objects("ycb"))
+    78
+    """
+    if not sources:
+        raise ObjectsError("name at least one source of objects, for example 'ycb'")
+    catalog = Catalog(*sources)
+    for source in sources:
+        if _is_folder(source):  # a wrong unit or file should be heard of now, not in mid-reach
+            for mesh in _meshes_of(source):
+                catalog[mesh.name]
+    return catalog
+
+
+def _is_folder(source: str | Path) -> bool:
+    return source != YCB and parse_primitive(str(source)) is None
+
+
+def _meshes_of(source: str | Path) -> list[MeshFile] | list[Primitive]:
+    if source == YCB:
+        return ycb_meshes()
+    primitive = parse_primitive(str(source))
+    if primitive is not None:
+        return [primitive]
+    folder = Path(source)
+    if not folder.is_dir():
+        raise ObjectsError(
+            f"{source}: expected 'ycb', a folder of meshes, 'box:DXxDYxDZ' or "
+            "'cylinder:RADIUSxHEIGHT'"
+        )
+    return folder_meshes(folder)
+
+
+def _load(mesh: MeshFile | Primitive) -> ObjectModel:
+    """Read a model from the cache, or build it and put it there."""
+    path = cache_directory() / "models" / f"{_builder_digest()}-{mesh.digest()[:32]}.npz"
+    cached = _read_cache(path, mesh)
+    if cached is not None:
+        return cached
+    axis = mesh.options.axis
+    if axis is not None and not np.linalg.norm(axis) > 1e-9:
+        raise ObjectsError(f"{mesh.name}: its axis has no direction")
+    model = build_model(
+        mesh.name, mesh.read(), mesh.options.symmetry, None if axis is None else np.array(axis)
+    )
+    _write_cache(path, model)
+    return model
+
+
+def _builder_digest() -> str:
+    here = Path(__file__).parent.parent
+    return hashlib.sha256(b"".join((here / f).read_bytes() for f in _CACHED_BY)).hexdigest()[:8]
+
+
+_SCALARS = ("length", "radius")
+_ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere")
+
+
+def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
+            fields.update({name: float(stored[name]) for name in _SCALARS})
+            bvh = Bvh(*(stored[f"bvh_{name}"] for name in Bvh._fields))
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None  # absent, or cut by a crash: it is built again
+    return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, bvh=bvh, **fields)
+
+
+def _write_cache(path: Path, model: ObjectModel) -> None:
+    arrays: dict[str, Any] = {name: getattr(model, name) for name in (*_ARRAYS, *_SCALARS)}
+    arrays.update({f"bvh_{name}": array for name, array in model.bvh._asdict().items()})
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+        with os.fdopen(handle, "wb") as file:
+            np.savez(file, **arrays)
+        os.replace(temporary, path)  # whole or not at all
+    except OSError:
+        return  # a cache that cannot be written is only slow

@@ -1,0 +1,1 @@
+"""Recordings of messages, and datasets of recordings."""

@@ -1,0 +1,173 @@
+"""The hands and objects that are known, each with its own filters, age and health."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any, TypeVar
+
+from igrip.errors import ObservationError
+from igrip.geometry.scene import Placed
+from igrip.health import HealthConfig
+from igrip.motion.hand import HandTrack
+from igrip.motion.trajectory import MotionConfig
+from igrip.objects.catalog import Catalog
+from igrip.objects.track import ObjectConfig, ObjectTrack
+from igrip.observation import ObjectPose, Observation
+from igrip.settings import Settings, quantity
+
+Track = TypeVar("Track", HandTrack, ObjectTrack)
+
+
+class WorldConfig(Settings):
+    """How much is remembered, whatever a source sends."""
+
+    most_hands: int = quantity(16, "1", "hands followed at a time", "guess", ge=1)
+    most_objects: int = quantity(256, "1", "objects followed at a time", "guess", ge=1)
+
+
+class World:
+    """All tracks. :meth:`take` either takes a whole message or raises and changes nothing."""
+
+    def __init__(
+        self,
+        catalog: Catalog,
+        config: WorldConfig,
+        motion: MotionConfig,
+        objects: ObjectConfig,
+        health: HealthConfig,
+    ) -> None:
+        self._catalog, self._config = catalog, config
+        self._motion_config, self._object_config, self._health = motion, objects, health
+        self.t = 0.0
+        self.hands: dict[str, HandTrack] = {}
+        self.objects: dict[str, ObjectTrack] = {}
+        self.counts: Counter[str] = Counter()
+
+    def take(self, observation: Observation) -> list[HandTrack]:
+        """Take a message: objects first, then hands.
+
+        Returns
+        -------
+        list of HandTrack
+            The hands that were measured in it, by id.
+
+        Raises
+        ------
+        ObservationError
+            If time decreases, an id is bound to another model, or a new id names no model.
+        """
+        self._check(observation)
+        self.t = now = observation.t
+        self.counts["messages"] += 1
+        self.counts["unknown_fields"] += observation.unknown_fields
+        for id, pose in observation.objects.items():
+            if pose is not None and (track := self._object(id, pose)) is not None:
+                track.update(now, pose)
+        measured = []
+        for id, hand in sorted(observation.hands.items()):
+            if hand is None or (hand_track := self._hand(id)) is None:
+                continue
+            if hand_track.update(now, hand):
+                measured.append(hand_track)
+        for object_track in self.objects.values():
+            object_track.advance(now)
+        for hand_track in self.hands.values():
+            hand_track.advance(now)
+        return measured
+
+    def placed(self) -> list[Placed]:
+        """Return the objects that can be used now, with their poses."""
+        placed = []
+        for id, track in self.objects.items():
+            if track.model is None or track.reason is not None:
+                continue
+            rotation, translation = track.rotation, track.position
+            offset = rotation @ track.model.centre
+            centre, velocity = translation + offset, track.centre_velocity(offset)
+            placed.append(Placed(id, track.model, rotation, translation, centre, velocity))
+        return placed
+
+    def trouble(self) -> str | None:
+        """Say what is wrong with the input of objects, in words."""
+        usable = [track for track in self.objects.values() if track.reason is None]
+        named = [t for t in self.objects.values() if t.is_faulty or (t.reason and not usable)]
+        parts = [f"{track.id}: {track.reason}" for track in named[:3]]
+        if len(named) > 3:
+            parts.append(f"and {len(named) - 3} more")
+        if not usable:
+            parts.insert(0, "no usable object")
+        return "; ".join(parts) or None
+
+    def report(self) -> dict[str, Any]:
+        """Return status, reason, age and counts of every input, as plain data."""
+        return {
+            "t": self.t,
+            "counts": dict(self.counts),
+            "hands": {
+                id: {
+                    "status": track.status,
+                    "reason": track.reason(self.t),
+                    "age": self.t - track.gate.newest,
+                    "counts": dict(track.gate.counts),
+                }
+                for id, track in self.hands.items()
+            },
+            "objects": {
+                id: {
+                    "model": track.model_name,
+                    "usable": track.reason is None,
+                    "reason": track.reason,
+                    "age": self.t - track.gate.newest,
+                    "counts": dict(track.gate.counts),
+                }
+                for id, track in self.objects.items()
+            },
+        }
+
+    def _check(self, observation: Observation) -> None:
+        if observation.t < self.t:
+            raise ObservationError("t", f"decreased from {self.t!r} to {observation.t!r}")
+        for id, pose in observation.objects.items():
+            if pose is None:
+                continue
+            track = self.objects.get(id)
+            if track is None:
+                if pose.model is None:
+                    raise ObservationError(
+                        f"objects.{id:.80}.model", "is needed when an object first appears"
+                    )
+            elif pose.model not in (None, track.model_name):
+                raise ObservationError(
+                    f"objects.{id:.80}.model",
+                    f"is {pose.model!r:.80}, but the id is bound to {track.model_name!r:.80}",
+                )
+
+    def _object(self, id: str, pose: ObjectPose) -> ObjectTrack | None:
+        track = self.objects.get(id)
+        if track is None and self._has_room(self.objects, self._config.most_objects):
+            assert pose.model is not None  # checked before anything changed
+            track = ObjectTrack(id, pose.model, self._catalog, self._object_config, self._health)
+            self.objects[id] = track
+        return track
+
+    def _hand(self, id: str) -> HandTrack | None:
+        track = self.hands.get(id)
+        if track is None and self._has_room(self.hands, self._config.most_hands):
+            track = self.hands[id] = HandTrack(id, self._motion_config, self._health)
+        return track
+
+    def _has_room(self, tracks: dict[str, Track], most: int) -> bool:
+        """Make room by forgetting the track that has been lost for longest, if one is lost."""
+        if len(tracks) < most:
+            return True
+        lost = [track for track in tracks.values() if track.gate.is_late(self.t)]
+        if not lost:
+            self.counts["too_many"] += 1
+            return False
+        del tracks[min(lost, key=_newest).id]
+        return True
+
+
+def _newest(track: HandTrack | ObjectTrack) -> float:
+    newest = track.gate.newest
+    return newest if newest == newest else -1.0  # never believed: the first to go
