@@ -9,7 +9,7 @@ import math
 from collections import Counter
 from typing import Literal, NamedTuple
 
-from igrip.observation import Vector
+from igrip.entities import Vector
 from igrip.settings import Settings, quantity
 
 

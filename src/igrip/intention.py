@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 import msgspec
 
-from igrip.observation import SCHEMA, Vector
+from igrip.entities import Vector
+from igrip.observation import SCHEMA
 
 Status = Literal["warming_up", "idle", "reaching", "holding", "lost", "invalid"]
 

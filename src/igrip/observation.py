@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -11,99 +10,11 @@ from typing import Any, Literal
 
 import msgspec
 
+from igrip.entities import Hand, ObjectPose, kind_of, time_of
 from igrip.errors import ObservationError
 
 SCHEMA: Literal["igrip/1"] = "igrip/1"
 RESERVED_OBJECT_ID = "none"
-QUATERNION_TOLERANCE = 5e-3
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-
-
-class Hand(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """One measurement of one hand.
-
-    Parameters
-    ----------
-    position : 3 floats
-        Palm centre in the world frame [m].
-    t : float, optional
-        Time of measurement on the clock of the message [s]; the message's own by default.
-    orientation : 4 floats, optional
-        World-from-hand rotation, unit quaternion x, y, z, w.
-    landmarks : sequence of 3 floats, optional
-        Points of the hand in the world frame [m], in the order of the detector.
-    std : float or 3 floats, optional
-        Standard deviation of the position, overall or per world axis [m].
-    score : float, optional
-        The detector's own confidence.
-    source : str, optional
-        Which sensor or detector measured it.
-
-    Raises
-    ------
-    ObservationError
-        If a value is not finite or not of the stated form.
-    """
-
-    position: Vector
-    t: float | None = None
-    orientation: Quaternion | None = None
-    landmarks: tuple[Vector, ...] | None = None
-    std: float | Vector | None = None
-    score: float | None = None
-    source: str | None = None
-
-    def __post_init__(self) -> None:
-        _check_entity(self)
-        if self.landmarks is not None:
-            points = tuple(
-                _floats(point, 3, f"landmarks[{index}]")
-                for index, point in enumerate(self.landmarks)
-            )
-            msgspec.structs.force_setattr(self, "landmarks", points)
-
-
-class ObjectPose(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """One measurement of the pose of one object.
-
-    The pose is that of the mesh as its model file defines it (world from mesh).
-
-    Parameters
-    ----------
-    position : 3 floats
-        Origin of the mesh in the world frame [m].
-    orientation : 4 floats
-        World-from-mesh rotation, unit quaternion x, y, z, w.
-    model : str, optional
-        Name in the catalogue; needed when an id first appears.
-    t, std, score, source
-        As for :class:`Hand`.
-    static : bool
-        True exempts the object from the age limit.
-
-    Raises
-    ------
-    ObservationError
-        If a value is not finite, not of the stated form, or the rotation is not a rotation.
-    """
-
-    position: Vector
-    orientation: Quaternion
-    model: str | None = None
-    t: float | None = None
-    static: bool = False
-    std: float | Vector | None = None
-    score: float | None = None
-    source: str | None = None
-
-    def __post_init__(self) -> None:
-        _check_entity(self)
-        if not isinstance(self.static, bool):
-            raise ObservationError("static", "must be true or false")
-        if self.model is not None and not isinstance(self.model, str):
-            raise ObservationError("model", "must be a string")
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):
@@ -167,7 +78,7 @@ class Observation:
         if schema != SCHEMA:
             raise ObservationError("schema", f"must be {SCHEMA!r}, got {schema!r:.40}")
         put = object.__setattr__
-        put(self, "t", _time(t, "t"))
+        put(self, "t", time_of(t, "t"))
         known_hands, extra_hands = _entities(hands, Hand, _HAND_FIELDS, "hands")
         known_objects, extra_objects = _entities(objects, ObjectPose, _OBJECT_FIELDS, "objects")
         if RESERVED_OBJECT_ID in known_objects:
@@ -188,7 +99,7 @@ class Observation:
     def from_dict(cls, message: Mapping[str, Any]) -> Observation:
         """Build an observation from decoded JSON or MessagePack."""
         if not isinstance(message, Mapping):
-            raise ObservationError("message", f"must be an object, got {_kind(message)}")
+            raise ObservationError("message", f"must be an object, got {kind_of(message)}")
         if not all(isinstance(key, str) for key in message):
             raise ObservationError("message", "every key must be a string")
         return cls(**message)
@@ -238,12 +149,12 @@ def _entities(
 ) -> tuple[dict[str, Any], int]:
     """Validate all hands or all objects; also count the fields that are not known."""
     if not isinstance(raw, Mapping):
-        raise ObservationError(path, f"must be an object, got {_kind(raw)}")
+        raise ObservationError(path, f"must be an object, got {kind_of(raw)}")
     known: dict[str, Any] = {}
     extra = 0
     for name, value in raw.items():
         if not isinstance(name, str):
-            raise ObservationError(path, f"every id must be a string, got {_kind(name)}")
+            raise ObservationError(path, f"every id must be a string, got {kind_of(name)}")
         if value is None or isinstance(value, kind):
             known[name] = value
             continue
@@ -254,7 +165,7 @@ def _entities(
 
 def _entity(value: Any, kind: type[Any], path: str) -> Any:
     if not isinstance(value, Mapping):
-        raise ObservationError(path, f"must be an object or null, got {_kind(value)}")
+        raise ObservationError(path, f"must be an object or null, got {kind_of(value)}")
     plain = {
         key: item.tolist() if hasattr(item, "tolist") else item  # numpy arrays and scalars
         for key, item in value.items()
@@ -274,65 +185,6 @@ def _entity(value: Any, kind: type[Any], path: str) -> Any:
         raise ObservationError(path + place.rstrip("`"), problem) from None
     except (OverflowError, RecursionError, TypeError) as error:
         raise ObservationError(path, str(error)) from None
-
-
-def _check_entity(entity: Any) -> None:
-    put = msgspec.structs.force_setattr
-    put(entity, "position", _floats(entity.position, 3, "position"))
-    if entity.orientation is not None:
-        quaternion = _floats(entity.orientation, 4, "orientation")
-        norm = math.hypot(*quaternion)
-        if abs(norm - 1.0) > QUATERNION_TOLERANCE:
-            raise ObservationError("orientation", f"is not a rotation: its norm is {norm:.6g}")
-        put(entity, "orientation", quaternion)
-    if entity.t is not None:
-        put(entity, "t", _time(entity.t, "t"))
-    if entity.std is not None:
-        if isinstance(entity.std, int | float):
-            lowest = _number(entity.std, "std")
-        else:
-            std = _floats(entity.std, 3, "std")
-            put(entity, "std", std)
-            lowest = min(std)
-        if lowest < 0.0:
-            raise ObservationError("std", "must not be negative")
-    if entity.score is not None:
-        put(entity, "score", _number(entity.score, "score"))
-    if entity.source is not None and not isinstance(entity.source, str):
-        raise ObservationError("source", "must be a string")
-
-
-def _floats(values: Any, length: int, path: str) -> tuple[Any, ...]:
-    values = values.tolist() if hasattr(values, "tolist") else values
-    if not isinstance(values, list | tuple):
-        raise ObservationError(path, f"must be {length} numbers, got {_kind(values)}")
-    if len(values) != length:
-        raise ObservationError(path, f"must be {length} numbers, got {len(values)}")
-    return tuple(_number(value, f"{path}[{index}]") for index, value in enumerate(values))
-
-
-def _number(value: Any, path: str) -> float:
-    value = value.item() if hasattr(value, "item") else value
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ObservationError(path, f"must be a number, got {_kind(value)}")
-    try:
-        number = float(value)
-    except OverflowError:
-        raise ObservationError(path, "is out of range") from None
-    if not math.isfinite(number):
-        raise ObservationError(path, f"must be finite, got {number}")
-    return number
-
-
-def _time(value: Any, path: str) -> float:
-    number = _number(value, path)
-    if number < 0.0:
-        raise ObservationError(path, f"must not be negative, got {number:.6g}")
-    return number
-
-
-def _kind(value: Any) -> str:
-    return "null" if value is None else type(value).__name__
 
 
 def _lenient_json(line: bytes | str, error: Exception) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any, TypeVar
 
+from igrip.entities import ObjectPose
 from igrip.errors import ObservationError
 from igrip.geometry.scene import Placed
 from igrip.health import HealthConfig
@@ -12,7 +13,7 @@ from igrip.motion.hand import HandTrack
 from igrip.motion.trajectory import MotionConfig
 from igrip.objects.catalog import Catalog
 from igrip.objects.track import ObjectConfig, ObjectTrack
-from igrip.observation import ObjectPose, Observation
+from igrip.observation import Observation
 from igrip.settings import Settings, quantity
 
 Track = TypeVar("Track", HandTrack, ObjectTrack)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.entities import Vector
 from igrip.geometry import kernel
 from igrip.geometry.bvh import Bvh
 from igrip.motion.trajectory import Motion
 from igrip.objects.model import ObjectModel
-from igrip.observation import Vector
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 
+from igrip.entities import Quaternion, Vector
 from igrip.motion import rotation
-from igrip.observation import Quaternion, Vector
 from igrip.settings import Settings, quantity
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from igrip.entities import Hand
 from igrip.health import Gate, HealthConfig
 from igrip.intention import Status
 from igrip.motion.trajectory import Motion, MotionConfig, Trajectory
-from igrip.observation import Hand
 
 
 class HandTrack:

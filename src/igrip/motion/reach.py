@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple
 
-from igrip.observation import Vector
+from igrip.entities import Vector
 from igrip.settings import Settings, quantity
 
 Phase = Literal["rest", "accelerating", "decelerating"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from igrip.observation import Quaternion, Vector
+from igrip.entities import Quaternion, Vector
 
 IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
 from igrip.motion.quadratic import fit_quadratic
 from igrip.motion.reach import Reach, ReachConfig, ReachDetector
-from igrip.observation import Vector
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.entities import ObjectPose
 from igrip.errors import ObjectsError, UnknownModelError
 from igrip.health import Gate, HealthConfig
 from igrip.motion import rotation
 from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
-from igrip.observation import ObjectPose
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]
