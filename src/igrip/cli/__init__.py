@@ -1,5 +1,23 @@
-"""The command ``igrip``."""
+"""The command ``igrip``; one file a subcommand."""
+
+from __future__ import annotations
+
+import sys
+
+from igrip.cli.app import app
+from igrip.cli.console import errors
+from igrip.errors import IgripError
 
 
 def main() -> None:
-    """Run the command."""
+    """Run the command. Exit codes: 0 done, 1 done but something failed, 2 wrong input."""
+    try:
+        app()
+    except IgripError as error:
+        errors.print(f"[bold red]igrip:[/] {error}", highlight=False, soft_wrap=True)
+        sys.exit(2)
+    except BrokenPipeError:  # the reader of our output left; that is its right
+        sys.stderr.close()
+        sys.exit(0)
+    except KeyboardInterrupt:
+        sys.exit(130)

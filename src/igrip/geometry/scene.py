@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,6 +111,33 @@ class Geometry:
     spread: float
 
 
+class Packed(NamedTuple):
+    """Trees of several meshes one after the other, replaced as a whole when a mesh is added."""
+
+    models: dict[str, ObjectModel]
+    number: dict[str, int]
+    bvh: Bvh
+    starts: NDArray[np.int64]
+    spheres: Array
+    axes: Array
+
+
+def _pack(models: dict[str, ObjectModel]) -> Packed:
+    trees = [model.bvh for model in models.values()]
+    empty = Bvh(np.empty((0, 12), np.float32), np.empty((0, 2), np.int32), np.empty((0, 9)))
+    nodes = np.cumsum([0, *(len(tree.boxes) for tree in trees)])[:-1]
+    triangles = np.cumsum([0, *(len(tree.triangles) for tree in trees)])[:-1]
+    frames = [model.mesh_from_object[:3, :3] for model in models.values()]
+    return Packed(
+        models=models,
+        number={name: number for number, name in enumerate(models)},
+        bvh=Bvh(*(np.concatenate(parts) for parts in zip(empty, *trees, strict=True))),
+        starts=np.stack([nodes, triangles], axis=1).astype(np.int64),
+        spheres=np.array([model.sphere for model in models.values()]).reshape(-1, 4),
+        axes=np.array(frames).reshape(-1, 3, 3),
+    )
+
+
 class Scene:
     """Holds the trees of all meshes that have appeared, and measures hands against objects.
 
@@ -133,31 +161,16 @@ class Scene:
             ]
         )  # fmt: skip
         self._pattern = ray_pattern(config.rays)
-        self._index: dict[str, int] = {}
-        self._known: list[ObjectModel] = []
-        self._pack()
+        self._packed = _pack({})
         self.counters = np.zeros(3, dtype=np.int64)
 
-    def _pack(self) -> None:
-        trees = [model.bvh for model in self._known]
-        empty = Bvh(np.empty((0, 12), np.float32), np.empty((0, 2), np.int32), np.empty((0, 9)))
-        self._bvh = Bvh(*(np.concatenate(parts) for parts in zip(empty, *trees, strict=True)))
-        nodes = np.cumsum([0, *(len(tree.boxes) for tree in trees)])[:-1]
-        triangles = np.cumsum([0, *(len(tree.triangles) for tree in trees)])[:-1]
-        self._starts = np.stack([nodes, triangles], axis=1).astype(np.int64)
-        self._spheres = np.array([model.sphere for model in self._known]).reshape(-1, 4)
-        self._axes = np.array([model.mesh_from_object[:3, :3] for model in self._known]).reshape(
-            -1, 3, 3
-        )
-
-    def _models(self, objects: Sequence[Placed]) -> NDArray[np.int64]:
-        missing = {o.model.name: o.model for o in objects if o.model.name not in self._index}
+    def _pack_with(self, objects: Sequence[Placed]) -> Packed:
+        """Return the trees of all meshes known so far, those of these objects among them."""
+        packed = self._packed
+        missing = {o.model.name: o.model for o in objects if o.model.name not in packed.number}
         if missing:
-            for name, model in missing.items():
-                self._index[name] = len(self._known)
-                self._known.append(model)
-            self._pack()
-        return np.array([self._index[o.model.name] for o in objects], dtype=np.int64)
+            packed = self._packed = _pack({**packed.models, **missing})
+        return packed
 
     def measure(self, hands: Sequence[Motion], objects: Sequence[Placed]) -> list[Geometry]:
         """Measure every hand against every object; one :class:`Geometry` per hand."""
@@ -166,13 +179,14 @@ class Scene:
             return [_nothing() for _ in hands]
         rotations = np.array([o.rotation for o in objects])
         translations = np.array([o.translation for o in objects])
-        models = self._models(objects)
+        packed = self._pack_with(objects)
+        models = np.array([packed.number[o.model.name] for o in objects], dtype=np.int64)
         positions = np.array([hand.position for hand in hands])
         hits = np.zeros((len(hands), count), dtype=np.int64)
         distances = np.empty((4, len(hands), count))
         kernel.measure(
-            *self._bvh, self._starts, self._spheres, self._axes, models, rotations, translations,
-            positions, np.array([hand.future for hand in hands]),
+            *packed.bvh, packed.starts, packed.spheres, packed.axes, models, rotations,
+            translations, positions, np.array([hand.future for hand in hands]),
             np.array([hand.future_velocity for hand in hands]),
             self._pattern, self._cone, hits, distances, self.counters,
         )  # fmt: skip
@@ -215,10 +229,11 @@ class Scene:
             Seconds from the hand's newest sample, and the nearest surface point then, world frame
             [m]. None: not within the horizon.
         """
-        model = int(self._models([target])[0])
+        packed = self._pack_with([target])
+        model = packed.number[target.model.name]
         out = np.empty(4)
         kernel.approach(
-            *self._bvh, self._starts[model], target.rotation, target.translation,
+            *packed.bvh, packed.starts[model], target.rotation, target.translation,
             hand.coefficients, self._config.contact_distance, self._config.contact_horizon, out,
         )  # fmt: skip
         if math.isnan(out[0]):
@@ -236,11 +251,12 @@ class Scene:
         lengths : (f, r)
             To the first impact in units of the direction; infinity for a miss.
         """
-        model = int(self._models([target])[0])
+        packed = self._pack_with([target])
+        model = packed.number[target.model.name]
         directions = np.empty((len(hand.future), len(self._pattern), 3))
         lengths = np.empty((len(hand.future), len(self._pattern)))
         kernel.cone_impacts(
-            *self._bvh, self._starts[model], self._spheres[model], self._axes[model],
+            *packed.bvh, packed.starts[model], packed.spheres[model], packed.axes[model],
             target.rotation, target.translation, hand.future, hand.future_velocity,
             self._pattern, self._cone, directions, lengths,
         )  # fmt: skip

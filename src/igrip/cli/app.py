@@ -1,0 +1,42 @@
+"""The application the subcommands belong to."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from igrip.cli import demo, doctor, importing, replay, schema
+from igrip.cli.console import output
+from igrip.version import __version__
+
+app = typer.Typer(
+    name="igrip",
+    help="From where the hands are and where things are, to what each hand will grasp, and how.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        output.print(f"igrip {__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version.")
+    ] = False,
+) -> None:
+    """Options of every command."""
+
+
+app.command("demo")(demo.demo)
+app.command("replay")(replay.replay)
+app.command("import")(importing.import_tables)
+app.command("doctor")(doctor.doctor)
+app.command("schema")(schema.schema)

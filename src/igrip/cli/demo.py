@@ -1,0 +1,170 @@
+"""``igrip demo``: a simulated person reaches for the paper's four objects, before your eyes."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from typing import Annotated
+
+import typer
+from rich.live import Live
+from rich.table import Table
+
+from igrip.cli.console import errors, output, print_json
+from igrip.config import Config
+from igrip.errors import MissingExtraError
+from igrip.estimator import Estimator
+from igrip.intention import Intention
+from igrip.objects.catalog import load_objects
+from igrip.simulation.demo import DemoPerson, Moment, Task
+from igrip.simulation.tally import Tally
+from igrip.viewer.server import Viewer
+from igrip.viewer.snapshot import take_snapshot
+from igrip.words import describe
+
+
+def demo(
+    headless: Annotated[bool, typer.Option(help="No page in the browser.")] = False,
+    duration: Annotated[
+        float | None,
+        typer.Option(help="Seconds of the scene. Default: one round of 16 reaches; endless with a "
+                     "page and a terminal, until Ctrl-C.", min=0.0),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Another seed, another table.", min=0)] = 0,
+    targets: Annotated[
+        str | None, typer.Option(help="Targets estimator. Default: the library's.")
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(help="Times real time; 0: as fast as it goes.", min=0.0)
+    ] = 1.0,
+    port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print the results as JSON at the end.")
+    ] = False,
+) -> None:  # fmt: skip
+    """Watch igrip decide what a simulated person reaches for, and with which grip.
+
+    The scene is live in the terminal and, unless --headless, in the browser.
+
+    Example: igrip demo --headless --duration 20 --seed 3
+    """
+    config = Config(targets=targets) if targets else Config()
+    with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
+        catalog = load_objects("ycb")
+        person = DemoPerson(catalog, seed)
+        _warm_up(person, Estimator(catalog, config))
+    estimator = Estimator(catalog, config)
+    viewer = None if headless else _open_viewer(estimator, port)
+    endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
+    tally = Tally()
+    try:
+        moments = _paced(_until(person, duration, endless), speed)
+        _run(moments, estimator, viewer, tally, quiet=as_json)
+    except KeyboardInterrupt:
+        errors.print("stopped")
+    finally:
+        if viewer is not None:
+            viewer.close()
+    if as_json:
+        print_json(tally.summary())
+    else:
+        output.print(tally.words(), highlight=False)
+
+
+def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
+    """Compile before the clock runs."""
+    for number, moment in enumerate(person):
+        estimator.update(moment.observation)
+        if number > 5:
+            return
+
+
+def _open_viewer(estimator: Estimator, port: int) -> Viewer | None:
+    try:
+        viewer = Viewer(estimator.scene, port=port)
+    except MissingExtraError as error:
+        errors.print(f"[yellow]{error}[/]; going on without the page", highlight=False)
+        return None
+    errors.print(f"The scene is live at [bold]{viewer.url}[/]", highlight=False)
+    return viewer
+
+
+def _until(person: DemoPerson, duration: float | None, endless: bool) -> Iterator[Moment]:
+    tasks, task = 0, None
+    for moment in person:
+        if moment.task is not task:
+            task, tasks = moment.task, tasks + 1
+        if not endless and (tasks > person.round if duration is None else _over(moment, duration)):
+            return
+        yield moment
+
+
+def _over(moment: Moment, duration: float) -> bool:
+    return moment.observation.t >= duration
+
+
+def _paced(moments: Iterator[Moment], speed: float) -> Iterator[Moment]:
+    begin = time.perf_counter()
+    for moment in moments:
+        if speed:
+            wait = begin + moment.observation.t / speed - time.perf_counter()
+            if wait > 0.0:
+                time.sleep(wait)
+        yield moment
+
+
+def _run(
+    moments: Iterator[Moment],
+    estimator: Estimator,
+    viewer: Viewer | None,
+    tally: Tally,
+    quiet: bool,
+) -> None:
+    live = Live(console=output, refresh_per_second=15, transient=True)
+    on_screen = output.is_terminal and not quiet
+    if on_screen:
+        live.start()
+    try:
+        task: Task | None = None
+        for moment in moments:
+            if moment.task is not task:
+                task = moment.task
+                if viewer is not None:
+                    viewer.note(f"### Task\n{_task_words(task)}")
+            intentions = estimator.update(moment.observation)
+            line = tally.take(moment, intentions)
+            if viewer is not None:
+                viewer.show(take_snapshot(estimator, intentions))
+            if on_screen:
+                live.update(_screen(moment, intentions, tally))
+            if line and not quiet:
+                output.print(line, highlight=False)
+    finally:
+        if on_screen:
+            live.stop()
+
+
+def _task_words(task: Task) -> str:
+    return f"{task.hand} hand to {task.target}, {task.grip} grip"
+
+
+def _screen(moment: Moment, intentions: list[Intention], tally: Tally) -> Table:
+    table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_task_words(moment.task)}")
+    for column in ("hand", "status", "target", "grip", "score", "contact in"):
+        table.add_column(column, min_width=9)
+    for intention in intentions:
+        own = intention.hand == moment.task.hand and intention.status == "reaching"
+        right = intention.target == moment.task.target
+        colour = ("green" if right else "red") if own else "dim"
+        table.add_row(
+            intention.hand,
+            intention.status,
+            f"[{colour}]{intention.target or '-'}[/]",
+            intention.grip or "-",
+            "-" if intention.confidence is None else f"{intention.confidence:.2f}",
+            "-" if intention.time_to_contact is None else f"{intention.time_to_contact:.2f} s",
+        )
+    own_words = [describe(i) for i in intentions if i.hand == moment.task.hand]
+    table.caption = "\n".join([*own_words, tally.words()])
+    return table

@@ -1,0 +1,83 @@
+"""``igrip import``: motion-capture tables into a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from igrip.cli.console import errors, output, print_json, progress
+from igrip.errors import DatasetError
+from igrip.importers.base import ImportOptions, find_importer, read_tables, write_dataset
+from igrip.objects.catalog import load_objects
+from igrip.recording.dataset import Dataset
+
+
+def import_tables(
+    tables: Annotated[
+        list[Path], typer.Argument(help="Tables (.parquet, .csv, .tsv), or a folder of them.")
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", help="New folder for the dataset.")],
+    mesh: Annotated[
+        str, typer.Option(help="Model put at each object's place.")
+    ] = "006_mustard_bottle",
+    objects: Annotated[
+        list[str],
+        typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:…. Repeatable."),
+    ] = ["ycb"],  # noqa: B006 - typer copies it
+    rate: Annotated[float, typer.Option(help="Samples per second of the dataset.")] = 30.0,
+    rest: Annotated[float, typer.Option(help="Rest added before onset [s].")] = 0.0,
+    noise: Annotated[float, typer.Option(help="Sd of sensor noise added per axis [m].")] = 0.0,
+    seed: Annotated[int, typer.Option(help="Seed of that noise.")] = 0,
+    limit: Annotated[
+        int, typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.")
+    ] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+) -> None:
+    """Turn motion-capture tables into a dataset.
+
+    The layout is recognised by the columns. What is added to the recorded movements (rest, noise,
+    meshes) is declared in the dataset's dataset.json.
+
+    Example: igrip import wispinski2021/ --out near-far --rest 1 --noise 0.004
+    """
+    named = list(dict.fromkeys([*objects, *([mesh] if ":" in mesh else [])]))
+    catalog = load_objects(*named)
+    try:
+        options = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
+    except ValueError as error:
+        raise DatasetError(f"these options make no sense: {error}") from error
+    catalog[mesh]
+    found = read_tables(tables)
+    importer = find_importer(found)
+    reaches = importer.reaches(found)
+    if 0 < limit < len(reaches):
+        reaches = [reaches[k * len(reaches) // limit] for k in range(limit)]
+    dataset: Dataset | None = None
+    with progress() as bar:
+        task = bar.add_task(f"importing {importer.name}", total=len(reaches))
+        for dataset in write_dataset(importer, reaches, out, catalog, options, _absolute(named)):
+            bar.advance(task, dataset is None)
+    assert dataset is not None  # the last thing written
+    summary = {
+        "dataset": str(out),
+        "name": dataset.name,
+        "trials": len(dataset.trials),
+        "participants": len({trial.participant for trial in dataset.trials}),
+        "derived": dataset.description["derived"],
+    }
+    if as_json:
+        print_json(summary)
+        return
+    output.print(
+        f"{summary['trials']} trials of {summary['participants']} participants in {out}",
+        highlight=False,
+    )
+    errors.print(f"Next: igrip replay {out} --targets paper --targets repaired", highlight=False)
+
+
+def _absolute(sources: Sequence[str]) -> list[str]:
+    """Make folders of meshes findable from anywhere."""
+    return [str(Path(s).resolve()) if Path(s).is_dir() else s for s in sources]

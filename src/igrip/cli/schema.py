@@ -1,0 +1,28 @@
+"""``igrip schema``: the JSON schema of the messages, as the code has it."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from igrip.cli.console import print_json
+from igrip.intention import Intention
+from igrip.observation import Observation
+
+
+class Message(StrEnum):
+    """Which message."""
+
+    observation = "observation"
+    intention = "intention"
+
+
+def schema(message: Annotated[Message, typer.Argument(help="Which message.")]) -> None:
+    """Print the JSON schema of a message.
+
+    Example: igrip schema observation > observation.json
+    """
+    kind = Observation if message is Message.observation else Intention
+    print_json(kind.json_schema())

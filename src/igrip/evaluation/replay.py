@@ -1,0 +1,173 @@
+"""Runs an estimator over the trials of a dataset: the same ``update`` as live."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from igrip.config import Config
+from igrip.errors import IgripError
+from igrip.estimator import Estimator
+from igrip.evaluation.trials import TrialScore, causal_accuracy, score_trial
+from igrip.intention import Intention
+from igrip.objects.catalog import Catalog, load_objects
+from igrip.recording.dataset import Dataset, Trial
+from igrip.recording.jsonl import JsonlReader
+
+FRACTIONS = (0.4, 0.6)
+NEVER = "none"
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """What one estimator did in one trial.
+
+    Attributes
+    ----------
+    targets : str
+        Name of the estimator.
+    trial : Trial
+        The row of ``trials.tsv``.
+    frames : int
+        Answers for the task's hand.
+    score : TrialScore or None
+        None where there is no target to compare with, or ``problem`` says why.
+    accurate : tuple of bool
+        Whether it was right at each of :data:`FRACTIONS` of the movement.
+    recorded : float
+        Length of the recording [s].
+    problem : str or None
+        What is wrong with the trial.
+    """
+
+    targets: str
+    trial: Trial
+    frames: int = 0
+    score: TrialScore | None = None
+    accurate: tuple[bool, ...] = ()
+    recorded: float = 0.0
+    problem: str | None = None
+
+
+def run_trial(
+    dataset: Dataset, trial: Trial, catalog: Catalog, config: Config
+) -> tuple[TrialResult, list[Intention]]:
+    """Run one estimator over one recording and score it against the row of the trial."""
+    intentions: list[Intention] = []
+    first = last = 0.0
+    try:
+        estimator = Estimator(catalog, config)
+        for number, observation in enumerate(JsonlReader(dataset.recording(trial))):
+            first = observation.t if number == 0 else first
+            last = observation.t
+            intentions += estimator.update(observation)
+    except IgripError as error:
+        return TrialResult(config.targets, trial, problem=str(error)), intentions
+    own = [intention for intention in intentions if intention.hand == trial.hand]
+    problem = _problem(trial, own)
+    no_reach = trial.target in (None, NEVER)
+    if problem is not None or no_reach or trial.onset_s is None or trial.end_s is None:
+        return (
+            TrialResult(config.targets, trial, len(own), recorded=last - first, problem=problem),
+            intentions,
+        )
+    times = np.array([intention.t for intention in own])
+    correct = np.array([intention.target == trial.target for intention in own])
+    return (
+        TrialResult(
+            config.targets,
+            trial,
+            len(own),
+            score_trial(times, correct, trial.onset_s, trial.end_s),
+            tuple(causal_accuracy(times, correct, trial.onset_s, trial.end_s, FRACTIONS).tolist()),
+            last - first,
+        ),
+        intentions,
+    )
+
+
+def _problem(trial: Trial, own: Sequence[Intention]) -> str | None:
+    if trial.target in (None, NEVER):
+        return None  # nothing to compare with, and nothing wrong
+    if trial.onset_s is None or trial.end_s is None:
+        return "onset and end of the movement are not known"
+    if not own:
+        return f"hand {trial.hand!r} was never seen"
+    return None
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One trial for one process; small, since it is sent there."""
+
+    folder: Path
+    trial: Trial
+    configs: tuple[Config, ...]
+    objects: tuple[str, ...]
+    keep: bool
+
+
+_catalogs: dict[tuple[str, ...], Catalog] = {}  # one per process, since models take time to read
+_datasets: dict[Path, Dataset] = {}
+
+
+def _run_job(job: _Job) -> list[tuple[TrialResult, list[Intention]]]:
+    if job.objects not in _catalogs:
+        _catalogs[job.objects] = load_objects(*job.objects)
+    if job.folder not in _datasets:
+        _datasets[job.folder] = Dataset.open(job.folder)
+    done = []
+    for config in job.configs:
+        result, intentions = run_trial(
+            _datasets[job.folder], job.trial, _catalogs[job.objects], config
+        )
+        done.append((result, intentions if job.keep else []))
+    return done
+
+
+def run_dataset(
+    dataset: Dataset,
+    configs: Sequence[Config],
+    jobs: int = 1,
+    trials: Sequence[Trial] | None = None,
+    objects: Sequence[str] = (),
+    keep_intentions: bool = False,
+) -> Iterator[list[tuple[TrialResult, list[Intention]]]]:
+    """Run estimators over the trials of a dataset, in parallel processes, in order.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        What to run over.
+    configs : sequence of Config
+        One per estimator.
+    jobs : int
+        Number of processes.
+    trials : sequence of Trial, optional
+        Some of the dataset's trials; by default all.
+    objects : sequence of str, optional
+        Sources of objects in place of the dataset's own.
+    keep_intentions : bool
+        Whether the intentions are wanted as well.
+
+    Yields
+    ------
+    list of (TrialResult, list of Intention)
+        For each trial, one entry per estimator.
+    """
+    sources = tuple(objects) or dataset.objects
+    work = [
+        _Job(dataset.path, trial, tuple(configs), sources, keep_intentions)
+        for trial in (dataset.trials if trials is None else trials)
+    ]
+    if jobs == 1:
+        yield from map(_run_job, work)
+        return
+    context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
+    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
+        yield from pool.map(_run_job, work, chunksize=max(1, min(50, len(work) // (8 * jobs))))

@@ -1,0 +1,95 @@
+"""How one trial went: success, delay and margin, and accuracy on the way (SPEC §7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Times = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+SUCCESS_RATIO = 0.70
+
+
+class TrialScore(NamedTuple):
+    """The paper's verdict on one trial.
+
+    Attributes
+    ----------
+    success : bool
+        Whether the answer was right in more than 70 % of the frames from k_target to k_f.
+    ratio : float
+        That part; 0 where no frame was right.
+    found : float or None
+        Time of k_target, the first frame of the longest run of right ones [s].
+    delay, margin : float or None
+        From movement onset to k_target, and from k_target to the end [s]. The delay is negative
+        where the run began before onset.
+    """
+
+    success: bool
+    ratio: float
+    found: float | None
+    delay: float | None
+    margin: float | None
+
+
+def longest_run(correct: Flags) -> tuple[int, int]:
+    """Return first index and length of the longest run of True; the earliest if tied.
+
+    An array without True gives ``(0, 0)``.
+    """
+    padded = np.concatenate(([False], correct, [False]))
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
+    starts, lengths = edges[::2], edges[1::2] - edges[::2]
+    if not len(starts):
+        return 0, 0
+    longest = int(np.argmax(lengths))
+    return int(starts[longest]), int(lengths[longest])
+
+
+def score_trial(times: Times, correct: Flags, onset: float, end: float) -> TrialScore:
+    """Score one trial as the paper does (SPEC §7).
+
+    Parameters
+    ----------
+    times : (n,)
+        Times of the frames, increasing [s].
+    correct : (n,)
+        Whether the answer was right in each.
+    onset, end : float
+        Of the movement [s]; frames after the end (k_f) do not count.
+    """
+    within = times <= end
+    times, correct = times[within], correct[within]
+    first, length = longest_run(correct)
+    if not length:
+        return TrialScore(False, 0.0, None, None, None)
+    ratio = float(correct[first:].mean())
+    found = float(times[first])
+    return TrialScore(ratio > SUCCESS_RATIO, ratio, found, found - onset, float(times[-1]) - found)
+
+
+def causal_accuracy(
+    times: Times, correct: Flags, onset: float, end: float, fractions: Sequence[float]
+) -> Flags:
+    """Return whether the newest answer was right at fractions of the movement.
+
+    Parameters
+    ----------
+    times, correct, onset, end
+        As for :func:`score_trial`.
+    fractions : sequence of float
+        Of the time from onset (0) to end (1).
+
+    Returns
+    -------
+    (len(fractions),) bool
+        False where there was no answer yet.
+    """
+    at = onset + np.asarray(fractions, dtype=np.float64) * (end - onset)
+    # times come as decimal text: a frame that falls on the instant must not be missed by rounding
+    index = np.searchsorted(times, at + 1e-9, side="right") - 1
+    return np.array([bool(i >= 0 and correct[i]) for i in index], dtype=np.bool_)

@@ -1,0 +1,237 @@
+"""Datasets: a folder of recordings with a table of trials (DESIGN §4)."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from igrip.errors import DatasetError, RecordingError
+from igrip.observation import Observation
+from igrip.recording.jsonl import JsonlWriter
+
+FORMAT = "igrip-dataset/1"
+ENDINGS = (".jsonl",)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One row of ``trials.tsv``; None: unknown.
+
+    Attributes
+    ----------
+    recording : str
+        Name of the recording, without folder and ending.
+    participant, trial, camera, camera_side : str or None
+        Whose it is, which, and from where it was seen (``camera_side`` left or right).
+    hand, target, grip, movement : str or None
+        The task. ``target`` is the id of an object in the recording, ``none``: no reach.
+    onset_s, end_s : float or None
+        Of the movement, on the recording's clock [s].
+    performed, repeat_of : str or None
+        Whether the task was done, and which trial this one repeats.
+    extra : mapping of str to str
+        Further columns.
+    """
+
+    recording: str
+    participant: str | None = None
+    trial: str | None = None
+    camera: str | None = None
+    camera_side: str | None = None
+    hand: str | None = None
+    target: str | None = None
+    grip: str | None = None
+    movement: str | None = None
+    onset_s: float | None = None
+    end_s: float | None = None
+    performed: str | None = None
+    repeat_of: str | None = None
+    extra: Mapping[str, str] = field(default_factory=dict)
+
+
+COLUMNS = tuple(f.name for f in fields(Trial) if f.name != "extra")
+_NUMBERS = ("onset_s", "end_s")
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A dataset as it lies on disk.
+
+    Attributes
+    ----------
+    path : Path
+        Its folder.
+    description : mapping
+        The content of ``dataset.json``.
+    trials : sequence of Trial
+        In the order of the table.
+    """
+
+    path: Path
+    description: Mapping[str, Any]
+    trials: Sequence[Trial]
+
+    @property
+    def name(self) -> str:
+        """Name of the dataset."""
+        return str(self.description.get("name", self.path.name))
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """Sources of its objects, for :func:`igrip.load_objects`; ``ycb`` unless it names others.
+
+        A source that names a folder inside the dataset is returned with the dataset's path.
+        """
+        named = self.description.get("objects", ["ycb"])
+        return tuple(str(self.path / s) if (self.path / s).is_dir() else str(s) for s in named)
+
+    @classmethod
+    def open(cls, path: str | Path) -> Dataset:
+        """Read a dataset's description and table of trials.
+
+        Raises
+        ------
+        DatasetError
+            If a file is missing or malformed; the message names file, row and column.
+        """
+        folder = Path(path)
+        description = _read_description(folder / "dataset.json")
+        return cls(folder, description, _read_trials(folder / "trials.tsv"))
+
+    def recording(self, trial: Trial) -> Path:
+        """Return the file of a trial's recording.
+
+        Raises
+        ------
+        RecordingError
+            If there is none.
+        """
+        for ending in ENDINGS:
+            path = self.path / "recordings" / f"{trial.recording}{ending}"
+            if path.is_file():
+                return path
+        raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")
+
+
+class DatasetWriter:
+    """Writes a dataset: the recordings as they come, the tables when it is closed.
+
+    Parameters
+    ----------
+    path : str or Path
+        A folder that does not exist yet, or is empty.
+    name, license, source : str
+        For ``dataset.json``.
+    **description
+        Further entries of it, for example ``objects``.
+
+    Raises
+    ------
+    DatasetError
+        If the folder holds something already.
+    """
+
+    def __init__(
+        self, path: str | Path, name: str, license: str, source: str, **description: Any
+    ) -> None:
+        self.path = Path(path)
+        if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
+            raise DatasetError(f"{self.path}: exists already; name a new folder")
+        self._description = {
+            "format": FORMAT, "name": name, "license": license, "source": source, **description,
+        }  # fmt: skip
+        self._trials: list[Trial] = []
+        (self.path / "recordings").mkdir(parents=True, exist_ok=True)
+
+    def add(self, trial: Trial, observations: Iterable[Observation]) -> None:
+        """Write one recording and remember its row."""
+        with JsonlWriter(self.path / "recordings" / f"{trial.recording}.jsonl") as file:
+            for observation in observations:
+                file.write(observation)
+        self._trials.append(trial)
+
+    def close(self, participants: Mapping[str, Mapping[str, str]] | None = None) -> Dataset:
+        """Write the tables and return the dataset.
+
+        Parameters
+        ----------
+        participants : mapping, optional
+            Further columns of ``participants.tsv``, by participant.
+        """
+        text = json.dumps(self._description, indent=2, ensure_ascii=False)
+        (self.path / "dataset.json").write_text(text + "\n", encoding="utf-8")
+        more = sorted({name for trial in self._trials for name in trial.extra})
+        rows = []
+        for trial in self._trials:
+            row = asdict(trial)
+            row.update(row.pop("extra"))
+            rows.append(row)
+        _write_table(self.path / "trials.tsv", [*COLUMNS, *more], rows)
+        known = dict(participants or {})
+        names = list(dict.fromkeys(t.participant for t in self._trials if t.participant))
+        columns = sorted({column for row in known.values() for column in row})
+        people = [{"participant": name, **known.get(name, {})} for name in names]
+        _write_table(self.path / "participants.tsv", ["participant", *columns], people)
+        return Dataset(self.path, self._description, tuple(self._trials))
+
+
+def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns, delimiter="\t", lineterminator="\n", restval="")
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({key: "" if row.get(key) is None else row[key] for key in columns})
+
+
+def _read_description(path: Path) -> Mapping[str, Any]:
+    try:
+        description = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise DatasetError(f"{path.parent}: is no dataset, it has no dataset.json") from None
+    except (OSError, ValueError) as error:
+        raise DatasetError(f"{path}: {error}") from error
+    if not isinstance(description, dict) or description.get("format") != FORMAT:
+        raise DatasetError(f"{path}: its format must be {FORMAT!r}")
+    objects = description.get("objects", [])
+    if not isinstance(objects, list) or not all(isinstance(source, str) for source in objects):
+        raise DatasetError(f"{path}: objects must be a list of strings")
+    return description
+
+
+def _read_trials(path: Path) -> Sequence[Trial]:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            reader = csv.DictReader(file, delimiter="\t")
+            if "recording" not in (reader.fieldnames or ()):
+                raise DatasetError(f"{path}: has no column 'recording'")
+            return tuple(_trial(path, number, row) for number, row in enumerate(reader, start=2))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise DatasetError(f"{path}: {error}") from error
+
+
+def _trial(path: Path, number: int, row: Mapping[str | None, Any]) -> Trial:
+    if None in row:
+        raise DatasetError(f"{path}, line {number}: has more fields than the header")
+    values: dict[str, Any] = {}
+    extra: dict[str, str] = {}
+    for name, text in row.items():
+        if name is None or text is None or text == "":
+            continue
+        if name in _NUMBERS:
+            try:
+                values[name] = float(text)
+            except ValueError:
+                raise DatasetError(
+                    f"{path}, line {number}, {name}: {text!r} is no number"
+                ) from None
+        elif name in COLUMNS:
+            values[name] = text
+        else:
+            extra[name] = text
+    if "recording" not in values:
+        raise DatasetError(f"{path}, line {number}: recording is empty")
+    return Trial(**values, extra=extra)

@@ -1,0 +1,97 @@
+"""One moment of the scene as arrays to draw; taken from the estimator, which does not wait."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.estimator import Estimator
+from igrip.geometry.scene import Placed, Scene
+from igrip.intention import Intention
+from igrip.motion.trajectory import Motion
+
+Array = NDArray[np.float64]
+RAY_LENGTH = 0.6  # of a ray that meets nothing [m]
+
+
+@dataclass(frozen=True)
+class HandSnapshot:
+    """One hand at one moment.
+
+    Attributes
+    ----------
+    intention : Intention
+        What was decided.
+    past : (n, 3)
+        Its filtered positions in the window, the newest last [m].
+    motion : Motion or None
+        Its motion; None while it is not known.
+    target : Placed or None
+        The object decided for.
+    """
+
+    intention: Intention
+    past: Array
+    motion: Motion | None
+    target: Placed | None
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """All hands and objects at one moment.
+
+    Attributes
+    ----------
+    t : float
+        On the clock of the messages [s].
+    objects : sequence of Placed
+        The usable objects.
+    hands : sequence of HandSnapshot
+        The hands that were decided for.
+    """
+
+    t: float
+    objects: Sequence[Placed]
+    hands: Sequence[HandSnapshot]
+
+
+def take_snapshot(estimator: Estimator, intentions: Sequence[Intention]) -> Snapshot | None:
+    """Note what ``update`` has just decided; None if it decided nothing."""
+    if not intentions:
+        return None
+    objects = estimator.objects
+    by_id = {placed.id: placed for placed in objects}
+    tracks = estimator.hands
+    hands = []
+    for intention in intentions:
+        track = tracks[intention.hand]
+        known = intention.status in ("idle", "reaching", "holding")
+        target = by_id.get(intention.target) if intention.target else None
+        motion = track.motion if known else None
+        hands.append(HandSnapshot(intention, track.trajectory.past, motion, target))
+    return Snapshot(intentions[0].t, objects, hands)
+
+
+def rays_of(scene: Scene, hand: HandSnapshot) -> tuple[Array, Array]:
+    """Return the rays towards the target as segments, and where they meet it.
+
+    Returns
+    -------
+    segments : (n, 2, 3)
+        From each predicted point to the impact, or a fixed length where there is none [m].
+    impacts : (m, 3)
+        Points on the target [m].
+    """
+    if hand.motion is None or hand.target is None:
+        return np.empty((0, 2, 3)), np.empty((0, 3))
+    directions, lengths = scene.impacts(hand.motion, hand.target)
+    norms = np.linalg.norm(directions, axis=2)
+    meets = np.isfinite(lengths)
+    reach = np.where(meets, lengths, RAY_LENGTH / norms)
+    origins = np.broadcast_to(hand.motion.future[:, None, :], directions.shape)
+    ends = origins + directions * reach[:, :, None]
+    drawn = np.isfinite(norms)
+    return np.stack([origins[drawn], ends[drawn]], axis=1), ends[meets]
