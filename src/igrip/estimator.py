@@ -16,8 +16,6 @@ from igrip.targets import TARGETS, Belief, TargetsEstimator
 from igrip.targets.base import Scores
 from igrip.world import World
 
-CUE_NAMES = ("impacts", "distance_derivative", "distance", "future_distance")
-
 
 class Estimator:
     """Says which object each hand will grasp, and with which grip.
@@ -47,7 +45,7 @@ class Estimator:
         self.config = config = config or Config()
         self._world = World(catalog, config.world, config.motion, config.objects, config.health)
         self._scene = Scene(config.rays)
-        self._cues = [CUES.get(name) for name in CUE_NAMES]
+        self._cues = [CUES.get(name) for name in CUES.names()]  # the paper's four, and yours
         self._new_targets = TARGETS.get(config.targets)
         self._grips = GRIPS.get(config.grips)(config.grip)
         self._targets: dict[str, tuple[int, TargetsEstimator]] = {}

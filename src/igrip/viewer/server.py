@@ -7,10 +7,13 @@ replace each other, and the older are dropped and counted.
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
+import rich
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -24,7 +27,8 @@ COLOURS = (
 )  # fmt: skip
 TARGET = (60, 200, 90)
 HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
-PAST, FUTURE, IMPACT, RAY = (200, 60, 60), (40, 160, 60), (220, 30, 200), (70, 70, 80)
+PAST, FUTURE, IMPACT, RAY = (200, 60, 60), (40, 160, 60), (220, 30, 200), (90, 90, 100)
+DRAWN = 3  # one ray in three is drawn: all of them would hide what they point at
 
 
 class Viewer:
@@ -54,7 +58,8 @@ class Viewer:
         except ImportError as error:
             raise MissingExtraError("viser", "viewer", "the scene in the browser") from error
         self._scene = scene
-        self._server: Any = viser.ViserServer(host=host, port=port, label="igrip", verbose=False)
+        with _quiet():
+            self._server: Any = viser.ViserServer(host, port, label="igrip", verbose=False)
         self._handles: dict[str, Any] = {}
         self._newest: Snapshot | None = None
         self._wake = threading.Condition()
@@ -85,7 +90,8 @@ class Viewer:
             self._closed = True
             self._wake.notify()
         self._thread.join(timeout=5.0)
-        self._server.stop()
+        with _quiet():
+            self._server.stop()
 
     def note(self, text: str) -> None:
         """Show a line of text above the hands, for example the task of a demo."""
@@ -97,16 +103,17 @@ class Viewer:
         server.gui.set_panel_label("igrip")
         server.scene.set_up_direction("+z")
         server.scene.add_grid(
-            "/table", width=2.0, height=2.0, cell_size=0.1, section_size=0.5,
+            "/table", width=1.6, height=1.6, cell_size=0.1, section_size=0.4,
+            cell_color=(225, 222, 214), section_color=(205, 200, 190),
             plane_color=(245, 243, 238), plane_opacity=1.0, shadow_opacity=0.2,
         )  # fmt: skip
-        server.initial_camera.position = (-0.55, -0.75, 0.75)
-        server.initial_camera.look_at = (0.0, 0.3, 0.1)
+        server.initial_camera.position = (-0.36, -0.38, 0.52)
+        server.initial_camera.look_at = (0.03, 0.3, 0.05)
         self._handles["note"] = server.gui.add_markdown("")
         self._handles["words"] = server.gui.add_markdown("*no hand yet*")
         server.gui.add_markdown(
             "Large spheres: hands. Small red: where a hand was; green: where it is expected in the "
-            "next 0.3 s. Lines: rays towards the target; magenta: where they meet it."
+            "next 0.3 s. Lines: some of the rays towards the target; magenta: where they meet it."
         )
 
     def _run(self) -> None:
@@ -145,8 +152,8 @@ class Viewer:
                 name, placed.model.vertices.astype(np.float32), placed.model.faces, color=colour
             )
             self._handles[f"{name}/label"] = self._server.scene.add_label(
-                f"{name}/label", placed.id, position=tuple(placed.model.origin),
-            )  # fmt: skip
+                f"{name}/label", placed.id, position=tuple(_top(placed)), anchor="bottom-center"
+            )
         handle = self._handles[name]
         handle.wxyz = _wxyz(placed.rotation)
         handle.position = placed.translation
@@ -171,7 +178,7 @@ class Viewer:
         self._points(f"{path}/past", hand.past[:-1], PAST, 0.012)
         self._points(f"{path}/future", future, FUTURE, 0.014)
         self._points(f"{path}/impacts", impacts.reshape(-1, 3), IMPACT, 0.006)
-        self._lines(f"{path}/rays", segments)
+        self._lines(f"{path}/rays", segments[::DRAWN])
 
     def _points(
         self, name: str, points: NDArray[np.float64], colour: tuple[int, ...], size: float
@@ -191,7 +198,7 @@ class Viewer:
         handle = self._handle(
             name,
             lambda name: self._server.scene.add_line_segments(
-                name, np.zeros((1, 2, 3), np.float32), RAY, thickness=0.0008
+                name, np.zeros((1, 2, 3), np.float32), RAY, thickness=1.0, thickness_units="screen"
             ),
         )
         handle.visible = len(segments) > 0
@@ -204,9 +211,27 @@ class Viewer:
         return self._handles[name]
 
 
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep viser's banners off standard output, where a program may read our answer."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
+
+
 def _path(kind: str, id: str) -> str:
     """Return a name in the page's tree; an id may hold any character, a slash among them."""
     return f"/{kind}/{quote(id, safe='')}"
+
+
+def _top(placed: Placed) -> NDArray[np.float64]:
+    """Return the end of the object's cylinder that is higher in the world, mesh frame [m]."""
+    model = placed.model
+    up = 1.0 if (placed.rotation @ model.axis)[2] >= 0.0 else -1.0
+    return model.origin + up * (0.5 * model.length + 0.01) * model.axis
 
 
 def _wxyz(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

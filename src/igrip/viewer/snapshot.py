@@ -14,7 +14,7 @@ from igrip.intention import Intention
 from igrip.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
-RAY_LENGTH = 0.6  # of a ray that meets nothing [m]
+RAY_LENGTH = 0.25  # of a ray that meets nothing [m]
 
 
 @dataclass(frozen=True)

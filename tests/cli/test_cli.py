@@ -1,0 +1,120 @@
+"""The commands as a user types them: in a process of their own."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from igrip import Observation
+from igrip.recording.dataset import Dataset
+from igrip.recording.jsonl import JsonlWriter
+
+SLOW_COMMAND = 240  # a cold kernel has to be compiled first [s]
+
+
+def igrip(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", "from igrip.cli import main; main()", *map(str, arguments)],
+        capture_output=True, text=True, timeout=SLOW_COMMAND,
+        env={**os.environ, "COLUMNS": "160", "NO_COLOR": "1"},
+    )  # fmt: skip
+    assert done.returncode == code, done.stderr + done.stdout
+    return done
+
+
+@pytest.mark.parametrize("command", ["demo", "replay", "import", "doctor", "schema"])
+def test_help_has_an_example(command: str) -> None:
+    assert f"Example: igrip {command}" in igrip(command, "--help").stdout
+
+
+def test_demo_headless() -> None:
+    result = json.loads(igrip("demo", "--headless", "--speed", 0, "--json").stdout)
+    assert result["reaches"] == 16
+    assert result["targets_right"] >= 12
+
+
+def test_demo_says_each_reach_where_there_is_no_terminal() -> None:
+    lines = igrip("demo", "--headless", "--speed", 0, "--duration", 8).stdout.splitlines()
+    assert len(lines) == 3
+    assert lines[-1].startswith("2 reaches: ")
+
+
+def test_doctor() -> None:
+    report = json.loads(igrip("doctor", "--json").stdout)
+    assert report["ok"]
+    assert all(report["core"].values())
+    assert report["checks"]["objects"]["detail"].startswith("78 meshes")
+
+
+def test_schemas_in_the_docs_are_those_of_the_code() -> None:
+    folder = Path(__file__).parents[2] / "docs" / "schemas"
+    for message in ("observation", "intention"):
+        assert (folder / f"{message}.json").read_text() == igrip("schema", message).stdout
+
+
+def test_replay_of_a_dataset(small_dataset: Dataset, tmp_path: Path) -> None:
+    out = tmp_path / "said.jsonl"
+    done = igrip(
+        "replay", small_dataset.path, "--targets", "distance", "--targets", "paper", "--json",
+        "--out", out,
+    )  # fmt: skip
+    summary = json.loads(done.stdout)
+    rows = {(row["targets"], row["group"]): row for row in summary["results"]}
+    assert rows["distance", "all"]["success"] == 1.0
+    assert rows["distance", "near"]["trials"] == rows["distance", "far"]["trials"] == 1
+    assert set(rows["paper", "all"]) >= {"accuracy_40%", "accuracy_60%", "delay_s", "margin_s"}
+    said = [json.loads(line) for line in out.read_text().splitlines()]
+    assert {line["hand"] for line in said} == {"right"}
+    table = igrip("replay", small_dataset.path, "--targets", "distance").stdout
+    assert "right at 40%" in table
+    assert "100.0 %" in table
+
+
+def test_replay_of_a_recording_that_was_cut(small_dataset: Dataset, tmp_path: Path) -> None:
+    whole = small_dataset.recording(small_dataset.trials[0]).read_bytes()
+    path = tmp_path / "cut.jsonl"
+    path.write_bytes(whole[:-7])
+    done = igrip("replay", path, "--objects", "cylinder:0.03x0.12", "--targets", "distance")
+    assert "cut off in line 61; 60 lines read" in done.stderr
+    assert "near" in done.stdout
+
+
+def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
+    wrong = igrip("replay", small_dataset.path, "--targets", "psychic", code=2)
+    assert (
+        "there are: distance, distance_derivative, future_distance, impacts, paper" in wrong.stderr
+    )
+    assert "no such" in igrip("replay", tmp_path / "no.jsonl", code=2).stderr.lower()
+    small_dataset.recording(small_dataset.trials[0]).unlink()
+    broken = igrip("replay", small_dataset.path, "--targets", "distance", code=1)
+    assert "1 trial(s) could not be scored" in broken.stdout
+    with JsonlWriter(tmp_path / "bad.jsonl") as file:
+        file.write(Observation(t=0.0))
+    with (tmp_path / "bad.jsonl").open("a") as text:
+        text.write('{"t": 1, "hands": {"right": {"position": [0, 0]}}}\n')
+    stderr = igrip("replay", tmp_path / "bad.jsonl", code=2).stderr
+    assert "line 2: hands.right.position" in stderr
+    assert "Traceback" not in stderr
+
+
+def test_import_needs_tables_it_knows(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("a,b\n1,2\n")
+    done = igrip("import", tmp_path / "t.csv", "--out", tmp_path / "d", code=2)
+    assert "no importer recognises these tables (known: wispinski2021)" in done.stderr
+    assert not (tmp_path / "d").exists()
+
+
+def test_import_of_the_real_reaches(shared_data: Path, tmp_path: Path) -> None:
+    done = igrip(
+        "import", shared_data / "wispinski2021", "--out", tmp_path / "d", "--limit", 4,
+        "--mesh", "box:0.05x0.05x0.14", "--rest", 0.5, "--noise", 0.004, "--json",
+    )  # fmt: skip
+    summary = json.loads(done.stdout)
+    assert summary["trials"] == 4
+    assert summary["derived"]["added_noise_sd_m"] == 0.004
+    dataset = Dataset.open(tmp_path / "d")
+    assert dataset.objects == ("ycb", "box:0.05x0.05x0.14")
+    assert json.loads(igrip("replay", dataset.path, "--json").stdout)["problems"] == {}

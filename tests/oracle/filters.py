@@ -1,0 +1,41 @@
+"""One-Euro filters of points and rotations (SPEC §2; Casiez, Roussel & Vogel 2012)."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
+
+
+def alpha(cutoff: float, dt: float) -> float:
+    """Weight of a new sample: 1 / (1 + tau / dt), tau = 1 / (2 pi cutoff)."""
+    tau = 1.0 / (2.0 * np.pi * cutoff)
+    return 1.0 / (1.0 + tau / dt)
+
+
+def one_euro_points(times, points, *, min_cutoff, beta, derivative_cutoff):
+    """Filter points (n, 3); return the filtered points and the low-passed derivative, (n, 3)."""
+    points = np.asarray(points, dtype=float)
+    filtered, derivative = points.copy(), np.zeros_like(points)
+    for k in range(1, len(points)):
+        dt = times[k] - times[k - 1]
+        raw = (points[k] - filtered[k - 1]) / dt
+        a = alpha(derivative_cutoff, dt)
+        derivative[k] = a * raw + (1.0 - a) * derivative[k - 1]
+        a = alpha(min_cutoff + beta * np.linalg.norm(derivative[k]), dt)
+        filtered[k] = a * points[k] + (1.0 - a) * filtered[k - 1]
+    return filtered, derivative
+
+
+def one_euro_rotations(times, quaternions, *, min_cutoff, beta, derivative_cutoff):
+    """Filter rotations (n, 4) x y z w; return scipy rotations and the angular velocity (n, 3)."""
+    rotations = Rotation.from_quat(quaternions)
+    filtered, derivative = [rotations[0]], np.zeros((len(rotations), 3))
+    for k in range(1, len(rotations)):
+        dt = times[k] - times[k - 1]
+        step = (rotations[k] * filtered[-1].inv()).as_rotvec()
+        a = alpha(derivative_cutoff, dt)
+        derivative[k] = a * step / dt + (1.0 - a) * derivative[k - 1]
+        a = alpha(min_cutoff + beta * np.linalg.norm(derivative[k]), dt)
+        way = Slerp([0.0, 1.0], Rotation.concatenate([filtered[-1], rotations[k]]))
+        filtered.append(way(a))
+    return Rotation.concatenate(filtered), derivative
