@@ -4,7 +4,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
-.PHONY: help demo test test-slow lint types contract unit schemas system clean
+.PHONY: pictures golden help demo test test-slow lint types contract unit schemas system clean
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
@@ -46,3 +46,9 @@ $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -m venv .venv
 	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables]'
 	touch $@
+
+pictures: $(READY)  ## make the pictures of the documentation (after make system)
+	$(BIN)/python docs/make_pictures.py
+
+golden: $(READY)  ## write the golden vectors anew, from the oracle alone
+	$(BIN)/python tests/golden/make_golden.py

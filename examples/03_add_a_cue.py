@@ -20,7 +20,9 @@ class Heading:
         return Belief(best_of(cues["heading"]), cues["heading"])
 
 
-estimator = igrip.Estimator(igrip.load_objects("box:0.05x0.05x0.2"), igrip.Config(targets="heading"))
+estimator = igrip.Estimator(
+    igrip.load_objects("box:0.05x0.05x0.2"), igrip.Config(targets="heading")
+)
 box = {"model": "box:0.05x0.05x0.2", "orientation": [0, 0, 0, 1]}
 objects = {"ahead": {**box, "position": [0.5, 0, 0]}, "aside": {**box, "position": [0, 0.5, 0]}}
 for frame in range(10):

@@ -18,6 +18,7 @@ from oracle import cones, filters, meshes, motion, pipeline, scores, trials  # n
 
 PAPER = ("003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser")
 
+
 def plain(value):
     """Return numbers and lists as JSON knows them."""
     if isinstance(value, dict):

@@ -14,9 +14,9 @@ def track():
     return HandTrack("right", MotionConfig(), HealthConfig())
 
 
-def seen(track, t, x, **more):
-    counted = track.update(t, Hand(position=(x, 0.0, 0.0), **more))
-    track.advance(t)
+def seen(track, now, x, **more):
+    counted = track.update(now, Hand(position=(x, 0.0, 0.0), **more))
+    track.advance(now)
     return counted
 
 

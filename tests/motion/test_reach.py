@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -37,7 +38,7 @@ def test_a_reach_from_rest_to_rest():
     assert phases[first : peak + 1] == ["accelerating"] * (peak + 1 - first)
     assert phases[peak + 2] == "decelerating"
     assert phases[-1] == "rest"
-    assert sum(a != b for a, b in zip(phases, phases[1:], strict=False)) == 3
+    assert sum(a != b for a, b in itertools.pairwise(phases)) == 3
 
 
 def test_onset_is_dated_back_to_the_last_rest():
@@ -61,9 +62,9 @@ def test_a_slow_moment_does_not_end_a_reach():
 
 def test_a_tenth_of_the_peak_counts_as_rest():
     phases = [reach.phase for reach in follow([0.01] * 3 + [1.0, 1.5] + [0.12] * 6)]
-    assert phases[-1] == "rest"
+    assert "rest" in phases[5:]
     phases = [reach.phase for reach in follow([0.01] * 3 + [1.0, 1.5] + [0.2] * 6)]
-    assert phases[-1] == "decelerating"
+    assert phases[5:] == ["decelerating"] * 6
 
 
 def test_peak_speed_and_elapsed_at_rest_are_zero():
@@ -86,10 +87,11 @@ def test_it_is_causal():
         assert follow(speeds[:cut]) == whole[:cut]
 
 
-def test_speeds_and_times_in_other_units_of_time_change_nothing():
+def test_a_shifted_clock_changes_nothing():
     speeds = [0.01] * 10 + bell() + [0.01] * 10
-    phases = [reach.phase for reach in follow(speeds)]
-    detector = ReachDetector(ReachConfig())
+    config = ReachConfig(dwell=0.09)  # no multiple of the time between two frames
+    phases = [reach.phase for reach in follow(speeds, config)]
+    detector = ReachDetector(config)
     shifted = [
         detector.update(1e6 + k / RATE, (0.0, 0.0, 0.0), s).phase for k, s in enumerate(speeds)
     ]

@@ -1,0 +1,56 @@
+"""The examples and the README run as they stand."""
+
+import subprocess
+import sys
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+import igrip
+from igrip.recording.jsonl import JsonlWriter
+from igrip.simulation.demo import DemoPerson
+
+ROOT = Path(__file__).parents[1]
+
+
+def run(*arguments: object) -> str:
+    done = subprocess.run(
+        [sys.executable, *map(str, arguments)], capture_output=True, text=True, timeout=240
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_hello() -> None:
+    lines = run(ROOT / "examples" / "01_hello.py").splitlines()
+    assert lines[0] == "0.00 s warming_up None None"
+    assert lines[-1] == "1.00 s reaching mustard palmar"
+
+
+def test_the_readme_shows_the_example() -> None:
+    code = (ROOT / "examples" / "01_hello.py").read_text().partition('"""\n\n')[2]
+    assert f"```python\n{code}```" in (ROOT / "README.md").read_text()
+
+
+def test_replay(tmp_path: Path) -> None:
+    path = tmp_path / "reach.jsonl"
+    with JsonlWriter(path) as file:
+        for moment in islice(DemoPerson(igrip.load_objects("ycb")), 90):
+            file.write(moment.observation)
+    assert "hand" in run(ROOT / "examples" / "02_replay.py", path)
+
+
+def test_add_a_cue() -> None:
+    assert run(ROOT / "examples" / "03_add_a_cue.py").startswith("ahead {")
+
+
+def test_the_cue_of_the_contributing_page_is_one_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "CONTRIBUTING.md").read_text()
+    code = page.partition("```python\n")[2].partition("```")[0]
+    script = (
+        "import igrip, sys\n" + code.replace("from __future__ import annotations\n", "") + "\n"
+        "from igrip.cues import CUES\n"
+        "assert CUES.get('heading').order == 1 and len(CUES.names()) == 5\n"
+    )
+    assert run("-c", script) == ""
