@@ -69,7 +69,7 @@ def demo(
     if as_json:
         print_json(tally.summary())
     else:
-        output.print(tally.words(), highlight=False)
+        output.print(tally.words(), highlight=False, soft_wrap=True)
 
 
 def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
@@ -139,7 +139,7 @@ def _run(
             if on_screen:
                 live.update(_screen(moment, intentions, tally))
             if line and not quiet:
-                output.print(line, highlight=False)
+                output.print(line, highlight=False, soft_wrap=True)
     finally:
         if on_screen:
             live.stop()
