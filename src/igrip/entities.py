@@ -52,6 +52,12 @@ class Hand(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     def __post_init__(self) -> None:
         _check_entity(self)
         if self.landmarks is not None:
+            if not isinstance(self.landmarks, list | tuple) and not hasattr(
+                self.landmarks, "shape"
+            ):
+                raise ObservationError(
+                    "landmarks", f"must be a list, got {kind_of(self.landmarks)}"
+                )
             points = tuple(
                 floats(point, 3, f"landmarks[{index}]")
                 for index, point in enumerate(self.landmarks)
@@ -112,14 +118,11 @@ def _check_entity(entity: Any) -> None:
     if entity.t is not None:
         put(entity, "t", time_of(entity.t, "t"))
     if entity.std is not None:
-        if isinstance(entity.std, int | float):
-            lowest = number(entity.std, "std")
-        else:
-            std = floats(entity.std, 3, "std")
-            put(entity, "std", std)
-            lowest = min(std)
-        if lowest < 0.0:
+        std = entity.std.tolist() if hasattr(entity.std, "tolist") else entity.std
+        std = floats(std, 3, "std") if isinstance(std, list | tuple) else number(std, "std")
+        if (min(std) if isinstance(std, tuple) else std) < 0.0:
             raise ObservationError("std", "must not be negative")
+        put(entity, "std", std)
     if entity.score is not None:
         put(entity, "score", number(entity.score, "score"))
     if entity.source is not None and not isinstance(entity.source, str):

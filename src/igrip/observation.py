@@ -28,6 +28,10 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 
 _HAND_FIELDS = frozenset(Hand.__struct_fields__)
 _OBJECT_FIELDS = frozenset(ObjectPose.__struct_fields__)
+_REQUIRED: Mapping[type[Any], frozenset[str]] = {
+    Hand: frozenset({"position"}),
+    ObjectPose: frozenset({"position", "orientation"}),
+}
 _EMPTY: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -158,33 +162,20 @@ def _entities(
         if value is None or isinstance(value, kind):
             known[name] = value
             continue
-        known[name] = _entity(value, kind, f"{path}.{name:.80}")
+        known[name] = _entity(value, kind, fields, f"{path}.{name:.80}")
         extra += len(value.keys() - fields)
     return known, extra
 
 
-def _entity(value: Any, kind: type[Any], path: str) -> Any:
+def _entity(value: Any, kind: type[Any], fields: frozenset[str], path: str) -> Any:
     if not isinstance(value, Mapping):
         raise ObservationError(path, f"must be an object or null, got {kind_of(value)}")
-    plain = {
-        key: item.tolist() if hasattr(item, "tolist") else item  # numpy arrays and scalars
-        for key, item in value.items()
-    }
+    for name in _REQUIRED[kind] - value.keys():
+        raise ObservationError(f"{path}.{name}", "is missing")
     try:
-        return msgspec.convert(plain, kind)
+        return kind(**{name: item for name, item in value.items() if name in fields})
     except ObservationError as error:
         raise ObservationError(f"{path}.{error.field}", error.problem) from None
-    except msgspec.ValidationError as error:
-        if isinstance(error.__cause__, ObservationError):
-            cause = error.__cause__
-            raise ObservationError(f"{path}.{cause.field}", cause.problem) from None
-        problem, _, place = str(error).partition(" - at `$")
-        if "missing required field `" in problem:
-            name = problem.rpartition("field `")[2].rstrip("`")
-            raise ObservationError(f"{path}.{name}", "is missing") from None
-        raise ObservationError(path + place.rstrip("`"), problem) from None
-    except (OverflowError, RecursionError, TypeError) as error:
-        raise ObservationError(path, str(error)) from None
 
 
 def _lenient_json(line: bytes | str, error: Exception) -> Any:

@@ -43,6 +43,7 @@ class World:
         self.hands: dict[str, HandTrack] = {}
         self.objects: dict[str, ObjectTrack] = {}
         self.counts: Counter[str] = Counter()
+        self._placed: dict[str, Placed] = {}  # poses that have not changed since they were placed
 
     def take(self, observation: Observation) -> list[HandTrack]:
         """Take a message: objects first, then hands.
@@ -64,6 +65,7 @@ class World:
         for id, pose in observation.objects.items():
             if pose is not None and (track := self._object(id, pose)) is not None:
                 track.update(now, pose)
+                self._placed.pop(id, None)
         measured = []
         for id, hand in sorted(observation.hands.items()):
             if hand is None or (hand_track := self._hand(id)) is None:
@@ -78,15 +80,16 @@ class World:
 
     def placed(self) -> list[Placed]:
         """Return the objects that can be used now, with their poses."""
-        placed = []
-        for id, track in self.objects.items():
-            if track.model is None or track.reason is not None:
-                continue
-            rotation, translation = track.rotation, track.position
-            offset = rotation @ track.model.centre
-            centre, velocity = translation + offset, track.centre_velocity(offset)
-            placed.append(Placed(id, track.model, rotation, translation, centre, velocity))
-        return placed
+        usable = [track for track in self.objects.values() if track.reason is None]
+        for track in usable:
+            if track.id not in self._placed and track.model is not None:
+                rotation, translation = track.rotation, track.position
+                offset = rotation @ track.model.centre
+                centre, velocity = translation + offset, track.centre_velocity(offset)
+                self._placed[track.id] = Placed(
+                    track.id, track.model, rotation, translation, centre, velocity
+                )
+        return [self._placed[track.id] for track in usable]
 
     def trouble(self) -> str | None:
         """Say what is wrong with the input of objects, in words."""
@@ -165,7 +168,9 @@ class World:
         if not lost:
             self.counts["too_many"] += 1
             return False
-        del tracks[min(lost, key=_newest).id]
+        forgotten = min(lost, key=_newest).id
+        del tracks[forgotten]
+        self._placed.pop(forgotten, None)
         return True
 
 

@@ -250,8 +250,9 @@ def approach(
 ):
     """Find when a predicted path first comes within ``reach`` of the surface of one mesh.
 
-    Conservative advancement: the distance cannot shrink faster than the highest speed that is still
-    to come, so each step of time is safe, and the first crossing is not stepped over.
+    Conservative advancement: within a time h the path cannot lead further than
+    ``|v| h + |c2| h²``, so a step that spends just the distance left is safe, and the first
+    crossing is not stepped over.
 
     Parameters
     ----------
@@ -268,18 +269,20 @@ def approach(
     near_stack = np.empty(_STACK)
     counters = np.zeros(3, dtype=np.int64)
     world, p = np.empty(3), np.empty(3)
-    last2 = 0.0
+    bend = 0.0
     for axis in range(3):
-        last2 += (coefficients[1, axis] + 2.0 * limit * coefficients[2, axis]) ** 2
+        bend += coefficients[2, axis] ** 2
+    bend = np.sqrt(bend)
     s = 0.0
     out[0] = np.nan
     for _ in range(100):
-        now2 = 0.0
+        speed = 0.0
         for axis in range(3):
             world[axis] = coefficients[0, axis] + s * (
                 coefficients[1, axis] + s * coefficients[2, axis]
             )
-            now2 += (coefficients[1, axis] + 2.0 * s * coefficients[2, axis]) ** 2
+            speed += (coefficients[1, axis] + 2.0 * s * coefficients[2, axis]) ** 2
+        speed = np.sqrt(speed)
         _to_mesh(rotation, translation, world, p)
         _, surface, x, y, z = nearest(
             boxes, links, triangles, start[0], start[1], p[0], p[1], p[2], False,
@@ -288,9 +291,11 @@ def approach(
         if surface <= reach + 1e-4:
             out[0], out[1], out[2], out[3] = s, x, y, z
             return
-        fastest = np.sqrt(max(now2, last2))  # speed along a parabola is convex: an end is fastest
-        if not fastest > 1e-6:
+        left = surface - reach
+        # the positive root of |c2| h² + |v| h = left, in the form that loses no digits
+        root = speed + np.sqrt(speed * speed + 4.0 * bend * left)
+        if not root > 1e-9:
             return
-        s += (surface - reach) / fastest
+        s += 2.0 * left / root
         if not s <= limit:
             return
