@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import msgspec
@@ -52,17 +53,9 @@ class Hand(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     def __post_init__(self) -> None:
         _check_entity(self)
         if self.landmarks is not None:
-            if not isinstance(self.landmarks, list | tuple) and not hasattr(
-                self.landmarks, "shape"
-            ):
-                raise ObservationError(
-                    "landmarks", f"must be a list, got {kind_of(self.landmarks)}"
-                )
-            points = tuple(
-                floats(point, 3, f"landmarks[{index}]")
-                for index, point in enumerate(self.landmarks)
-            )
-            msgspec.structs.force_setattr(self, "landmarks", points)
+            points = items(self.landmarks, "landmarks")
+            checked = (floats(point, 3, f"landmarks[{k}]") for k, point in enumerate(points))
+            msgspec.structs.force_setattr(self, "landmarks", tuple(checked))
 
 
 class ObjectPose(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -99,11 +92,13 @@ class ObjectPose(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     source: str | None = None
 
     def __post_init__(self) -> None:
+        if self.orientation is None:
+            raise ObservationError("orientation", "is missing")
         _check_entity(self)
         if not isinstance(self.static, bool):
             raise ObservationError("static", "must be true or false")
-        if self.model is not None and not isinstance(self.model, str):
-            raise ObservationError("model", "must be a string")
+        if self.model is not None:
+            text(self.model, "model")
 
 
 def _check_entity(entity: Any) -> None:
@@ -125,15 +120,21 @@ def _check_entity(entity: Any) -> None:
         put(entity, "std", std)
     if entity.score is not None:
         put(entity, "score", number(entity.score, "score"))
-    if entity.source is not None and not isinstance(entity.source, str):
-        raise ObservationError("source", "must be a string")
+    if entity.source is not None:
+        text(entity.source, "source")
+
+
+def items(values: Any, path: str) -> Sequence[Any]:
+    """Return the items of a list, tuple or array, or raise naming ``path``."""
+    values = values.tolist() if hasattr(values, "tolist") else values
+    if not isinstance(values, list | tuple):
+        raise ObservationError(path, f"must be a list, got {kind_of(values)}")
+    return values
 
 
 def floats(values: Any, length: int, path: str) -> tuple[Any, ...]:
     """Return ``length`` finite numbers, or raise naming ``path`` and the index."""
-    values = values.tolist() if hasattr(values, "tolist") else values
-    if not isinstance(values, list | tuple):
-        raise ObservationError(path, f"must be {length} numbers, got {kind_of(values)}")
+    values = items(values, path)
     if len(values) != length:
         raise ObservationError(path, f"must be {length} numbers, got {len(values)}")
     return tuple(number(value, f"{path}[{index}]") for index, value in enumerate(values))
@@ -141,7 +142,7 @@ def floats(values: Any, length: int, path: str) -> tuple[Any, ...]:
 
 def number(value: Any, path: str) -> float:
     """Return a finite float, or raise naming ``path``."""
-    value = value.item() if hasattr(value, "item") else value
+    value = value.tolist() if hasattr(value, "tolist") else value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ObservationError(path, f"must be a number, got {kind_of(value)}")
     try:
@@ -159,6 +160,17 @@ def time_of(value: Any, path: str) -> float:
     if result < 0.0:
         raise ObservationError(path, f"must not be negative, got {result:.6g}")
     return result
+
+
+def text(value: Any, path: str) -> str:
+    """Return a string that can be written as UTF-8, or raise naming ``path``."""
+    if not isinstance(value, str):
+        raise ObservationError(path, f"must be a string, got {kind_of(value)}")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise ObservationError(path, f"{value!a:.80} is no text") from None
+    return value
 
 
 def kind_of(value: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from igrip.config import Config
@@ -42,13 +43,15 @@ class Estimator:
     """
 
     def __init__(self, catalog: Catalog, config: Config | None = None) -> None:
+        if not isinstance(catalog, Mapping):
+            raise TypeError(f"expected a catalogue (igrip.load_objects), got {catalog!r:.80}")
         self.config = config = config or Config()
         self._world = World(catalog, config.world, config.motion, config.objects, config.health)
         self._scene = Scene(config.rays)
         self._cues = [CUES.get(name) for name in CUES.names()]  # the paper's four, and yours
         self._new_targets = TARGETS.get(config.targets)
         self._grips = GRIPS.get(config.grips)(config.grip)
-        self._targets: dict[str, tuple[int, TargetsEstimator]] = {}
+        self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
         self._statuses: dict[str, Status] = {}
 
     def update(self, observation: Observation) -> list[Intention]:
@@ -105,11 +108,11 @@ class Estimator:
 
     def _targets_of(self, hand: HandTrack) -> TargetsEstimator:
         """Return the estimator of a hand; a new one where the hand's stream began anew."""
-        restarts, estimator = self._targets.get(hand.id, (-1, None))
-        if estimator is None or restarts != hand.gate.counts["restarts"]:
-            estimator = self._new_targets()
-            self._targets[hand.id] = (hand.gate.counts["restarts"], estimator)
-        return estimator
+        restarts = hand.gate.counts["restarts"]
+        known = self._targets.get(hand.id)
+        if known is None or known[0] is not hand or known[1] != restarts:
+            known = self._targets[hand.id] = (hand, restarts, self._new_targets())
+        return known[2]
 
     def _intention(
         self,
@@ -122,6 +125,7 @@ class Estimator:
         """Put one hand's result into words and numbers."""
         assert hand.motion is not None
         ids = [placed.id for placed in geometry.objects]
+        age = self._world.t - hand.motion.t
         target = None if belief.target is None else geometry.objects[belief.target]
         contact = None if target is None else self._scene.contact(hand.motion, target)
         columns = {**cues, "global": belief.scores}
@@ -142,7 +146,7 @@ class Estimator:
             confidence=None if belief.target is None else float(belief.scores[belief.target]),
             grip=grip.name,
             grip_probability=None if grip.probability is None else dict(grip.probability),
-            time_to_contact=contact[0] if contact else None,
+            time_to_contact=max(0.0, contact[0] - age) if contact else None,
             contact=contact[1] if contact else None,
             probability=probability,
             scores=scores,
@@ -153,9 +157,9 @@ class Estimator:
     ) -> list[Intention]:
         """Add the hands without an answer that were measured or whose status changed."""
         now = self._world.t
-        self._statuses = {
-            id: status for id, status in self._statuses.items() if id in self._world.hands
-        }
+        for id in self._statuses.keys() - self._world.hands.keys():  # forgotten by the world
+            del self._statuses[id]
+            self._targets.pop(id, None)
         for id, hand in self._world.hands.items():
             changed = hand.status != self._statuses.get(id)
             if id not in answered and (changed or hand in measured):

@@ -12,6 +12,8 @@ from typing import Literal, NamedTuple
 from igrip.entities import Vector
 from igrip.settings import Settings, quantity
 
+LEAST_STEP = 1e-6  # measurements of one entity are further apart than this, or one of them [s]
+
 
 class HealthConfig(Settings):
     """Limits beyond which an input is not believed."""
@@ -73,7 +75,10 @@ class Gate:
     Attributes
     ----------
     newest : float
-        Time of the newest accepted measurement [s]; NaN before the first.
+        Time of the newest accepted measurement, on the clock of the messages [s]; NaN before the
+        first.
+    offset : float
+        What is added to the entity's own times, since its clock was seen to step back [s].
     counts : Counter
         How many measurements were ``older``, ``future``, ``jump`` or ``far``, and ``restarts``.
     """
@@ -82,58 +87,82 @@ class Gate:
         self._config = config
         self._limit = limit
         self._position: Vector | None = None
-        self._refused_since: float | None = None
+        self._doubted_since: float | None = None
+        self._doubted_t = -math.inf
+        self._first_jump = math.inf
         self._same_since = math.nan
         self.newest = math.nan
+        self.offset = 0.0
         self.counts: Counter[str] = Counter()
 
     def judge(self, now: float, t: float, position: Vector) -> Verdict:
-        """Judge a measurement taken at ``t`` that arrived at ``now`` [s]."""
+        """Judge a measurement whose own time is ``t`` and that arrived at ``now`` [s].
+
+        If it is accepted, :attr:`newest` is its time on the clock of the messages.
+        """
         config = self._config
-        if t > now + config.future_tolerance:
-            self.counts["future"] += 1
-            return Verdict("refuse", f"measured {t - now:.3g} s in the future of its arrival")
         if max(map(abs, position)) > config.range_limit:
             self.counts["far"] += 1
             return Verdict(
                 "refuse", f"is more than {config.range_limit:g} m away: is its unit the metre?"
             )
+        if self.offset and now - self._limit <= t <= now + config.future_tolerance:
+            self.offset = 0.0  # the entity's clock is right again
+            return self._take(t, position, "restart")
+        own, t = t, t + self.offset
+        if t > now + config.future_tolerance:
+            self.counts["future"] += 1
+            return Verdict("refuse", f"measured {t - now:.3g} s in the future of its arrival")
         if self._position is None:
             return self._take(t, position, "accept")
-        if t <= self.newest:
-            self.counts["older"] += 1
-            return self._doubt(now, t, position, Verdict("ignore", "older than the newest"))
         dt = t - self.newest
+        if dt < LEAST_STEP:
+            self.counts["older"] += 1
+            if not self._is_new_stream(now, own):
+                return Verdict("ignore", "not newer than the newest")
+            self.offset = 0.0 if now - own <= self._limit else now - own
+            return self._take(own + self.offset, position, "restart")
         step = math.dist(position, self._position)
-        if step > config.jump_distance + config.jump_speed * dt:
+        # while a jump is doubted the bound must not grow until it is believed by patience alone
+        since = min(dt, self._first_jump - self.newest)
+        if step > config.jump_distance + config.jump_speed * since:
             self.counts["jump"] += 1
-            reason = f"jumped {step:.2f} m in {dt:.3f} s"
-            return self._doubt(now, t, position, Verdict("refuse", reason))
+            self._first_jump = min(self._first_jump, t)
+            if not self._is_new_stream(now, own):
+                return Verdict("refuse", f"jumped {step:.2f} m in {dt:.3f} s")
+            return self._take(t, position, "restart")
         return self._take(t, position, "restart" if dt > self._limit else "accept")
 
     def is_late(self, now: float) -> bool:
         """Whether the newest measurement is older than the limit."""
         return not now - self.newest <= self._limit
 
-    def frozen(self) -> str | None:
-        """Say so if the position has not changed in a single bit for too long."""
+    def remark(self) -> str | None:
+        """Say in words what is odd about measurements that were accepted."""
+        if self.offset:
+            return f"its clock stepped back by {self.offset:.2f} s; ages are counted from then"
         for_how_long = self.newest - self._same_since
-        if for_how_long < self._config.frozen_after:
+        if not for_how_long >= self._config.frozen_after:  # NaN before the first measurement
             return None
         return f"frozen: the same position to the last bit for {for_how_long:.2f} s"
 
-    def _doubt(self, now: float, t: float, position: Vector, verdict: Verdict) -> Verdict:
-        """Refuse a measurement, unless the stream has been refused for so long that it is new."""
-        if self._refused_since is None:
-            self._refused_since = now
-        if now - self._refused_since < self._config.restart_after:
-            return verdict
-        return self._take(t, position, "restart")
+    def _is_new_stream(self, now: float, own: float) -> bool:
+        """Whether measurements have been doubted for so long that they are a stream of their own.
+
+        Its times must grow: a pose that is sent again and again with its old time is no stream.
+        """
+        grows, self._doubted_t = own > self._doubted_t, own
+        if not grows:
+            self._doubted_since = None
+        if self._doubted_since is None:
+            self._doubted_since = now
+        return now - self._doubted_since >= self._config.restart_after
 
     def _take(self, t: float, position: Vector, action: Literal["accept", "restart"]) -> Verdict:
         if action == "restart":
             self.counts["restarts"] += 1
         if action == "restart" or position != self._position:
             self._same_since = t
-        self.newest, self._position, self._refused_since = t, position, None
+        self.newest, self._position = t, position
+        self._doubted_since, self._doubted_t, self._first_jump = None, -math.inf, math.inf
         return Verdict(action)

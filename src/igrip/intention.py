@@ -7,6 +7,7 @@ from typing import Any, Literal
 import msgspec
 
 from igrip.entities import Vector
+from igrip.errors import ObservationError
 from igrip.observation import SCHEMA
 
 Status = Literal["warming_up", "idle", "reaching", "holding", "lost", "invalid"]
@@ -51,13 +52,15 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     grip_probability : dict or None
         Probability of each grip; None for a rule that is not calibrated.
     time_to_contact : float or None
-        Seconds until the palm is at the distance of a grasp; None: not within the horizon.
+        Seconds from ``t`` until the palm is at the distance of a grasp; None: not within the
+        horizon.
     contact : 3 floats or None
         Where on the target's surface that is, world frame [m].
     probability : dict or None
         Probability of each object and of ``none``; None for estimators that are not calibrated.
     scores : dict
-        For each object, the score of each cue and the ``global`` one.
+        For each object, the score of each cue and the ``global`` one, by which the target was
+        chosen (for a single: that cue's own).
     commitment : Commitment or None
         Permission to act. None: none.
     """
@@ -93,10 +96,13 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
 
         Raises
         ------
-        msgspec.ValidationError
+        ObservationError
             If the text is not an intention.
         """
-        return msgspec.json.decode(line, type=cls)
+        try:
+            return msgspec.json.decode(line, type=cls)
+        except msgspec.MsgspecError as error:
+            raise ObservationError("intention", str(error)) from None
 
     @staticmethod
     def json_schema() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from igrip.entities import Hand, ObjectPose, kind_of, time_of
+from igrip.entities import Hand, ObjectPose, kind_of, text, time_of
 from igrip.errors import ObservationError
 
 SCHEMA: Literal["igrip/1"] = "igrip/1"
@@ -28,9 +28,9 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 
 _HAND_FIELDS = frozenset(Hand.__struct_fields__)
 _OBJECT_FIELDS = frozenset(ObjectPose.__struct_fields__)
-_REQUIRED: Mapping[type[Any], frozenset[str]] = {
-    Hand: frozenset({"position"}),
-    ObjectPose: frozenset({"position", "orientation"}),
+_REQUIRED: Mapping[type[Any], tuple[str, ...]] = {
+    Hand: ("position",),
+    ObjectPose: ("position", "orientation"),
 }
 _EMPTY: Mapping[str, Any] = MappingProxyType({})
 
@@ -79,8 +79,9 @@ class Observation:
         schema: str = SCHEMA,
         **unknown: Any,
     ) -> None:
-        if schema != SCHEMA:
-            raise ObservationError("schema", f"must be {SCHEMA!r}, got {schema!r:.40}")
+        if not isinstance(schema, str) or schema != SCHEMA:
+            got = repr(schema[:40]) if isinstance(schema, str) else kind_of(schema)
+            raise ObservationError("schema", f"must be {SCHEMA!r}, got {got}")
         put = object.__setattr__
         put(self, "t", time_of(t, "t"))
         known_hands, extra_hands = _entities(hands, Hand, _HAND_FIELDS, "hands")
@@ -119,7 +120,7 @@ class Observation:
         """
         try:
             raw = msgspec.json.decode(line)
-        except (ValueError, RecursionError) as error:
+        except (ValueError, TypeError, RecursionError) as error:
             raw = _lenient_json(line, error)
         return cls.from_dict(raw)
 
@@ -140,7 +141,7 @@ class Observation:
         return Observation.from_dict, (self.to_dict(),)
 
     def __hash__(self) -> int:
-        return hash((self.t, tuple(self.hands.items()), tuple(self.objects.items())))
+        return hash((self.t, frozenset(self.hands.items()), frozenset(self.objects.items())))
 
     @staticmethod
     def json_schema() -> dict[str, Any]:
@@ -157,8 +158,7 @@ def _entities(
     known: dict[str, Any] = {}
     extra = 0
     for name, value in raw.items():
-        if not isinstance(name, str):
-            raise ObservationError(path, f"every id must be a string, got {kind_of(name)}")
+        text(name, path)
         if value is None or isinstance(value, kind):
             known[name] = value
             continue
@@ -170,8 +170,9 @@ def _entities(
 def _entity(value: Any, kind: type[Any], fields: frozenset[str], path: str) -> Any:
     if not isinstance(value, Mapping):
         raise ObservationError(path, f"must be an object or null, got {kind_of(value)}")
-    for name in _REQUIRED[kind] - value.keys():
-        raise ObservationError(f"{path}.{name}", "is missing")
+    for name in _REQUIRED[kind]:
+        if name not in value:
+            raise ObservationError(f"{path}.{name}", "is missing")
     try:
         return kind(**{name: item for name, item in value.items() if name in fields})
     except ObservationError as error:
@@ -182,5 +183,5 @@ def _lenient_json(line: bytes | str, error: Exception) -> Any:
     """Decode what msgspec refuses (NaN, 1e999), so that the error can name the field."""
     try:
         return json.loads(line)
-    except (ValueError, RecursionError):
+    except (ValueError, TypeError, RecursionError):
         raise ObservationError("message", f"is not JSON: {error}") from None

@@ -39,7 +39,8 @@ class Registry(Generic[T]):
         """Return a decorator that adds a member under ``name``."""
 
         def add(member: T) -> T:
-            self._members[name] = member
+            if self._members.setdefault(name, member) is not member:
+                raise ValueError(f"there is a {self.family} named {name!r} already")
             return member
 
         return add
@@ -66,9 +67,9 @@ class Registry(Generic[T]):
     def _discover(self) -> None:
         if self._complete:
             return
-        self._complete = True  # first, since the modules register here while they are imported
         package = importlib.import_module(self.package)
         for module in pkgutil.iter_modules(package.__path__):
             importlib.import_module(f"{self.package}.{module.name}")
         for point in entry_points(group=self.package):
             self._members.setdefault(point.name, point.load())
+        self._complete = True  # last: if a module fails, the next call says so again

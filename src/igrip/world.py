@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
+from collections.abc import Container
 from typing import Any, TypeVar
 
 from igrip.entities import ObjectPose
@@ -43,6 +45,7 @@ class World:
         self.hands: dict[str, HandTrack] = {}
         self.objects: dict[str, ObjectTrack] = {}
         self.counts: Counter[str] = Counter()
+        self._left_out = 0
         self._placed: dict[str, Placed] = {}  # poses that have not changed since they were placed
 
     def take(self, observation: Observation) -> list[HandTrack]:
@@ -61,22 +64,41 @@ class World:
         self._check(observation)
         self.t = now = observation.t
         self.counts["messages"] += 1
+        self._advance(now)  # who is lost must be known before room is made
         self.counts["unknown_fields"] += observation.unknown_fields
-        for id, pose in observation.objects.items():
-            if pose is not None and (track := self._object(id, pose)) is not None:
-                track.update(now, pose)
-                self._placed.pop(id, None)
+        self._take_objects(observation)
         measured = []
         for id, hand in sorted(observation.hands.items()):
-            if hand is None or (hand_track := self._hand(id)) is None:
+            if hand is None or (track := self._hand(id, observation)) is None:
                 continue
-            if hand_track.update(now, hand):
-                measured.append(hand_track)
+            if track.update(now, hand):
+                measured.append(track)
+        self._advance(now)
+        return measured
+
+    def _advance(self, now: float) -> None:
         for object_track in self.objects.values():
             object_track.advance(now)
         for hand_track in self.hands.values():
             hand_track.advance(now)
-        return measured
+
+    def _take_objects(self, observation: Observation) -> None:
+        left_out = 0
+        for id, pose in sorted(
+            observation.objects.items()
+        ):  # which have room must not hang on order
+            if pose is None:
+                if id in self.objects:
+                    self.objects[id].miss(observation.t)
+                continue
+            track = self._object(id, pose, observation)
+            if track is None:
+                left_out += 1
+                continue
+            track.update(observation.t, pose)
+            self._placed.pop(id, None)
+        if observation.objects:
+            self._left_out = left_out
 
     def placed(self) -> list[Placed]:
         """Return the objects that can be used now, with their poses."""
@@ -93,11 +115,14 @@ class World:
 
     def trouble(self) -> str | None:
         """Say what is wrong with the input of objects, in words."""
-        usable = [track for track in self.objects.values() if track.reason is None]
-        named = [t for t in self.objects.values() if t.is_faulty or (t.reason and not usable)]
-        parts = [f"{track.id}: {track.reason}" for track in named[:3]]
+        usable = any(track.reason is None for track in self.objects.values())
+        named = [t for t in self.objects.values() if t.fault or (t.reason and not usable)]
+        parts = [f"{track.id}: {track.fault or track.reason}" for track in named[:3]]
         if len(named) > 3:
             parts.append(f"and {len(named) - 3} more")
+        if self._left_out:
+            most = self._config.most_objects
+            parts.append(f"{self._left_out} objects beyond the limit of {most} are left out")
         if not usable:
             parts.insert(0, "no usable object")
         return "; ".join(parts) or None
@@ -111,7 +136,7 @@ class World:
                 id: {
                     "status": track.status,
                     "reason": track.reason(self.t),
-                    "age": self.t - track.gate.newest,
+                    "age": _age(self.t, track),
                     "counts": dict(track.gate.counts),
                 }
                 for id, track in self.hands.items()
@@ -120,8 +145,8 @@ class World:
                 id: {
                     "model": track.model_name,
                     "usable": track.reason is None,
-                    "reason": track.reason,
-                    "age": self.t - track.gate.newest,
+                    "reason": track.reason or track.fault,
+                    "age": _age(self.t, track),
                     "counts": dict(track.gate.counts),
                 }
                 for id, track in self.objects.items()
@@ -146,25 +171,30 @@ class World:
                     f"is {pose.model!r:.80}, but the id is bound to {track.model_name!r:.80}",
                 )
 
-    def _object(self, id: str, pose: ObjectPose) -> ObjectTrack | None:
+    def _object(self, id: str, pose: ObjectPose, message: Observation) -> ObjectTrack | None:
         track = self.objects.get(id)
-        if track is None and self._has_room(self.objects, self._config.most_objects):
-            assert pose.model is not None  # checked before anything changed
+        room = track is None and self._make_room(
+            self.objects, self._config.most_objects, message.objects
+        )
+        if room and pose.model is not None:
             track = ObjectTrack(id, pose.model, self._catalog, self._object_config, self._health)
             self.objects[id] = track
         return track
 
-    def _hand(self, id: str) -> HandTrack | None:
+    def _hand(self, id: str, message: Observation) -> HandTrack | None:
         track = self.hands.get(id)
-        if track is None and self._has_room(self.hands, self._config.most_hands):
+        if track is None and self._make_room(self.hands, self._config.most_hands, message.hands):
             track = self.hands[id] = HandTrack(id, self._motion_config, self._health)
         return track
 
-    def _has_room(self, tracks: dict[str, Track], most: int) -> bool:
-        """Make room by forgetting the track that has been lost for longest, if one is lost."""
+    def _make_room(self, tracks: dict[str, Track], most: int, named: Container[str]) -> bool:
+        """Forget the track that has been lost for longest, if need be and if there is one.
+
+        What the present message names is not forgotten, whatever its age.
+        """
         if len(tracks) < most:
             return True
-        lost = [track for track in tracks.values() if track.gate.is_late(self.t)]
+        lost = [track for track in tracks.values() if track.is_late and track.id not in named]
         if not lost:
             self.counts["too_many"] += 1
             return False
@@ -176,4 +206,9 @@ class World:
 
 def _newest(track: HandTrack | ObjectTrack) -> float:
     newest = track.gate.newest
-    return newest if newest == newest else -1.0  # never believed: the first to go
+    return -1.0 if math.isnan(newest) else newest  # never believed: the first to go
+
+
+def _age(now: float, track: HandTrack | ObjectTrack) -> float | None:
+    newest = track.gate.newest
+    return None if math.isnan(newest) else now - newest

@@ -7,7 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
+import trimesh
 
+from datasets import MESH
 from igrip import Observation
 from igrip.recording.dataset import Dataset
 from igrip.recording.jsonl import JsonlWriter
@@ -90,7 +92,7 @@ def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
     assert "no such" in igrip("replay", tmp_path / "no.jsonl", code=2).stderr.lower()
     small_dataset.recording(small_dataset.trials[0]).unlink()
     broken = igrip("replay", small_dataset.path, "--targets", "distance", code=1)
-    assert "1 trial(s) could not be scored" in broken.stdout
+    assert "1 result(s) are missing" in broken.stdout
     with JsonlWriter(tmp_path / "bad.jsonl") as file:
         file.write(Observation(t=0.0))
     with (tmp_path / "bad.jsonl").open("a") as text:
@@ -117,4 +119,42 @@ def test_import_of_the_real_reaches(shared_data: Path, tmp_path: Path) -> None:
     assert summary["derived"]["added_noise_sd_m"] == 0.004
     dataset = Dataset.open(tmp_path / "d")
     assert dataset.objects == ("ycb", "box:0.05x0.05x0.14")
-    assert json.loads(igrip("replay", dataset.path, "--json").stdout)["problems"] == {}
+    assert json.loads(igrip("replay", dataset.path, "--json").stdout)["problems"] == []
+
+
+def test_names_from_outside_are_shown_as_they_are(tmp_path: Path) -> None:
+    """Brackets are no markup: they may stand in ids, paths and messages."""
+    assert "[/]no.jsonl: no such file" in igrip("replay", "[/]no.jsonl", code=2).stderr
+    path = tmp_path / "odd.jsonl"
+    mesh = {"model": MESH, "orientation": [0, 0, 0, 1], "static": True, "position": [0, 0.4, 0.05]}
+    with JsonlWriter(path) as file:
+        for k in range(20):
+            hands = {"[red]le/ft[/]": {"position": [0.0, 0.015 * k, 0.05]}}
+            file.write(Observation(t=k / 30, hands=hands, objects={"[/]": mesh} if k == 0 else {}))
+    shown = igrip("replay", path, "--objects", MESH, "--targets", "distance").stdout
+    assert "[red]le/ft[/]" in shown
+    assert "[/]" in shown.replace("[red]le/ft[/]", "")
+
+
+def test_a_mesh_in_millimetres_says_what_to_write(tmp_path: Path, small_dataset: Dataset) -> None:
+    (tmp_path / "meshes").mkdir()
+    trimesh.creation.box((70.0, 70.0, 200.0)).export(tmp_path / "meshes" / "carton.stl")
+    recording = small_dataset.recording(small_dataset.trials[0])
+    said = igrip("replay", recording, "--objects", tmp_path / "meshes", code=2).stderr
+    assert '[carton]\nunit = "mm"' in said
+
+
+def test_help_keeps_its_units() -> None:
+    assert "[s]" in igrip("import", "--help").stdout
+
+
+def test_json_is_json(tmp_path: Path) -> None:
+    path = tmp_path / "far.jsonl"
+    path.write_text('{"t": 0, "hands": {"right": {"position": [1e300, 0, 0]}}}\n')
+    told = json.loads(igrip("replay", path, "--json").stdout, parse_constant=pytest.fail)
+    assert told["inputs"]["hands"]["right"]["age"] is None
+
+
+@pytest.mark.parametrize("option", ["--jobs=-1", "--limit=-1"])
+def test_negative_numbers_are_refused(small_dataset: Dataset, option: str) -> None:
+    assert "-1 is not in the range" in igrip("replay", small_dataset.path, option, code=2).stderr

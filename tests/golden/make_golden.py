@@ -57,13 +57,16 @@ def golden_filter():
     for options in (pipeline.HAND, pipeline.OBJECT_POSITION, pipeline.OBJECT_ORIENTATION):
         times, points = ticks(rng, 25, 30.0), walk(rng, 25)
         quaternions = np.round(turns(rng, 25).as_quat(), 9)
-        filtered, derivative = filters.one_euro_points(times, points, **options)
-        rotations, angular = filters.one_euro_rotations(times, quaternions, **options)
+        filtered, derivative, velocity = filters.one_euro_points(times, points, **options)
+        rotations, spin, angular_velocity = filters.one_euro_rotations(
+            times, quaternions, **options
+        )
         cases.append(
             {
                 "options": options, "times": times, "points": points,
                 "orientations": quaternions, "filtered": filtered, "derivative": derivative,
-                "filtered_orientations": rotations, "angular_velocity": angular,
+                "velocity": velocity, "filtered_orientations": rotations,
+                "angular_derivative": spin, "angular_velocity": angular_velocity,
             }
         )  # fmt: skip
     return cases
@@ -75,7 +78,7 @@ def golden_motion():
     cases = []
     for size, duration, count, rate in ((20, 1.0, 30, 30.0), (5, 0.5, 12, 12.0), (50, 0.2, 30, 60)):
         times, points = ticks(rng, count, rate), walk(rng, count)
-        filtered, _ = filters.one_euro_points(times, points, **pipeline.HAND)
+        filtered, _, _ = filters.one_euro_points(times, points, **pipeline.HAND)
         steps = []
         motions = motion.motions(times, filtered, size=size, duration=duration)
         for k, step in enumerate(motions):

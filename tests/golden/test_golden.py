@@ -60,10 +60,12 @@ def test_filters():
             value = position.update(t, tuple(case["points"][k]))
             assert value == pytest.approx(case["filtered"][k], **TIGHT)
             assert position.derivative == pytest.approx(case["derivative"][k], **TIGHT)
+            assert position.velocity == pytest.approx(case["velocity"][k], **TIGHT)
             q = np.array(orientation.update(t, tuple(case["orientations"][k])))
             expected = case["filtered_orientations"][k]
             assert q * np.sign(q @ expected) == pytest.approx(expected, **TIGHT)
-            assert orientation.derivative == pytest.approx(case["angular_velocity"][k], **TIGHT)
+            assert orientation.derivative == pytest.approx(case["angular_derivative"][k], **TIGHT)
+            assert orientation.velocity == pytest.approx(case["angular_velocity"][k], **TIGHT)
 
 
 def test_motion():

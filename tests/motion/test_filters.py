@@ -38,11 +38,12 @@ def turning(rng, count, size):
 def test_points_agree_with_the_oracle(options, seed):
     rng = np.random.default_rng(seed)
     times, points = uneven(rng, 60), np.cumsum(rng.normal(0.0, 0.03, (60, 3)), axis=0)
-    expected, slope = filters.one_euro_points(times, points, **options)
+    expected, slope, velocity = filters.one_euro_points(times, points, **options)
     ours = PositionFilter(OneEuroConfig(**options))
     for k in range(60):
         assert ours.update(times[k], tuple(points[k])) == pytest.approx(expected[k], rel=1e-12)
         assert ours.derivative == pytest.approx(slope[k], rel=1e-10, abs=1e-12)
+        assert ours.velocity == pytest.approx(velocity[k], rel=1e-9, abs=1e-12)
         assert ours.value == pytest.approx(expected[k], rel=1e-12)
 
 
@@ -51,13 +52,14 @@ def test_points_agree_with_the_oracle(options, seed):
 def test_rotations_agree_with_the_oracle(options, size):
     rng = np.random.default_rng(4)
     times, turns = uneven(rng, 40), turning(rng, 40, size)
-    expected, slope = filters.one_euro_rotations(times, turns.as_quat(), **options)
+    expected, slope, velocity = filters.one_euro_rotations(times, turns.as_quat(), **options)
     ours = OrientationFilter(OneEuroConfig(**options))
     for k in range(40):
         q = ours.update(times[k], tuple(turns[k].as_quat()))
         apart = Rotation.from_quat(q) * expected[k].inv()
         assert apart.magnitude() < 1e-7 * min(1.0, size * 100.0)
         assert ours.derivative == pytest.approx(slope[k], rel=1e-7, abs=1e-9)
+        assert ours.velocity == pytest.approx(velocity[k], rel=1e-7, abs=1e-9)
         assert math.hypot(*q) == pytest.approx(1.0, abs=1e-12)
 
 
@@ -111,7 +113,20 @@ def test_first_sample_passes_and_rest_is_kept():
     assert ours.value is None
     for k in range(10):
         assert ours.update(0.1 * k, (1.0, -2.0, 3.0)) == (1.0, -2.0, 3.0)
-    assert ours.derivative == (0.0, 0.0, 0.0)
+    assert ours.derivative == ours.velocity == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("rate", [12.0, 30.0, 120.0])
+def test_velocity_of_a_steady_motion_is_its_velocity(rate):
+    """The derivative is not: it holds the lag, and would say twice the speed at 30 Hz."""
+    ours, turning = PositionFilter(OneEuroConfig()), OrientationFilter(OneEuroConfig())
+    for k in range(int(3 * rate)):
+        t = k / rate
+        ours.update(t, (0.3 * t, 0.0, -0.4 * t))
+        turning.update(t, tuple(Rotation.from_rotvec([0.0, 0.5 * t, 0.0]).as_quat()))
+    assert ours.velocity == pytest.approx((0.3, 0.0, -0.4), rel=1e-3)
+    assert turning.velocity == pytest.approx((0.0, 0.5, 0.0), rel=1e-3, abs=1e-9)
+    assert math.hypot(*ours.derivative) > 0.51
 
 
 def test_a_fast_hand_is_followed_closely():

@@ -24,7 +24,7 @@ def test_agrees_with_the_oracle(window, duration):
     rng = np.random.default_rng(window)
     times, points = samples(rng, 90, 30.0, gaps=(20, 21, 60))
     config = MotionConfig(window=window, window_duration=duration, future_points=7, horizon=0.2)
-    filtered, _ = filters.one_euro_points(times, points, **FILTER)
+    filtered, _, _ = filters.one_euro_points(times, points, **FILTER)
     expected = motion.motions(times, filtered, size=window, duration=duration)
     trajectory = Trajectory(config)
     answered = 0

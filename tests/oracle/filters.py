@@ -13,29 +13,38 @@ def alpha(cutoff: float, dt: float) -> float:
 
 
 def one_euro_points(times, points, *, min_cutoff, beta, derivative_cutoff):
-    """Filter points (n, 3); return the filtered points and the low-passed derivative, (n, 3)."""
+    """Filter points (n, 3); return filtered points, derivative and velocity, each (n, 3).
+
+    The derivative drives the cutoff: from the filtered point to the new sample, low-passed. It
+    holds the filter's own lag. The velocity is that of the filtered point, low-passed alike.
+    """
     points = np.asarray(points, dtype=float)
-    filtered, derivative = points.copy(), np.zeros_like(points)
+    filtered, derivative, velocity = points.copy(), np.zeros_like(points), np.zeros_like(points)
     for k in range(1, len(points)):
         dt = times[k] - times[k - 1]
         raw = (points[k] - filtered[k - 1]) / dt
         a = alpha(derivative_cutoff, dt)
         derivative[k] = a * raw + (1.0 - a) * derivative[k - 1]
-        a = alpha(min_cutoff + beta * np.linalg.norm(derivative[k]), dt)
-        filtered[k] = a * points[k] + (1.0 - a) * filtered[k - 1]
-    return filtered, derivative
+        b = alpha(min_cutoff + beta * np.linalg.norm(derivative[k]), dt)
+        filtered[k] = b * points[k] + (1.0 - b) * filtered[k - 1]
+        moved = (filtered[k] - filtered[k - 1]) / dt
+        velocity[k] = a * moved + (1.0 - a) * velocity[k - 1]
+    return filtered, derivative, velocity
 
 
 def one_euro_rotations(times, quaternions, *, min_cutoff, beta, derivative_cutoff):
-    """Filter rotations (n, 4) x y z w; return scipy rotations and the angular velocity (n, 3)."""
+    """Filter rotations (n, 4) x y z w; return scipy rotations, derivative and velocity (n, 3)."""
     rotations = Rotation.from_quat(quaternions)
     filtered, derivative = [rotations[0]], np.zeros((len(rotations), 3))
+    velocity = np.zeros_like(derivative)
     for k in range(1, len(rotations)):
         dt = times[k] - times[k - 1]
         step = (rotations[k] * filtered[-1].inv()).as_rotvec()
         a = alpha(derivative_cutoff, dt)
         derivative[k] = a * step / dt + (1.0 - a) * derivative[k - 1]
-        a = alpha(min_cutoff + beta * np.linalg.norm(derivative[k]), dt)
+        b = alpha(min_cutoff + beta * np.linalg.norm(derivative[k]), dt)
         way = Slerp([0.0, 1.0], Rotation.concatenate([filtered[-1], rotations[k]]))
-        filtered.append(way(a))
-    return Rotation.concatenate(filtered), derivative
+        filtered.append(way(b))
+        moved = (filtered[k] * filtered[k - 1].inv()).as_rotvec() / dt
+        velocity[k] = a * moved + (1.0 - a) * velocity[k - 1]
+    return Rotation.concatenate(filtered), derivative, velocity

@@ -113,8 +113,10 @@ def object_poses(messages, mesh_of):
     for id, rows in seen.items():
         mesh = mesh_of[models[id]]
         times = [row[1] for row in rows]
-        points, v = filters.one_euro_points(times, [row[2] for row in rows], **OBJECT_POSITION)
-        turns, w = filters.one_euro_rotations(times, [row[3] for row in rows], **OBJECT_ORIENTATION)
+        points, _, v = filters.one_euro_points(times, [row[2] for row in rows], **OBJECT_POSITION)
+        turns, _, w = filters.one_euro_rotations(
+            times, [row[3] for row in rows], **OBJECT_ORIENTATION
+        )
         result[id] = []
         for k, row in enumerate(rows):
             rotation = turns[k].as_matrix()
@@ -134,7 +136,7 @@ def run(messages, mesh_of, wanted=lambda index: True):
     results = {}
     for hand, rows in hand_tracks(messages).items():
         times = [row[1] for row in rows]
-        filtered, _ = filters.one_euro_points(times, [row[2] for row in rows], **HAND)
+        filtered, _, _ = filters.one_euro_points(times, [row[2] for row in rows], **HAND)
         moving = motion.motions(times, filtered, size=WINDOW, duration=DURATION)
         for k, row in enumerate(rows):
             index = row[0]

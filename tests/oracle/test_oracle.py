@@ -15,12 +15,13 @@ CUBE = trimesh.creation.box((2.0, 2.0, 2.0))
 def test_one_euro_step_by_hand():
     # cutoff 1/(2 pi) Hz has tau = 1 s: with dt = 1 s every weight is 1/2, beta = 0
     tau_1 = 1.0 / (2.0 * np.pi)
-    out, slope = filters.one_euro_points(
+    out, slope, velocity = filters.one_euro_points(
         [0.0, 1.0, 2.0], [[0, 0, 0], [4, 0, 0], [4, 0, 0]],
         min_cutoff=tau_1, beta=0.0, derivative_cutoff=tau_1,
     )  # fmt: skip
     assert out[:, 0].tolist() == pytest.approx([0.0, 2.0, 3.0])
     assert slope[:, 0].tolist() == pytest.approx([0.0, 2.0, 2.0])  # the last: (2 + (4-2)) / 2
+    assert velocity[:, 0].tolist() == pytest.approx([0.0, 1.0, 1.0])  # of 0, 2, 3
 
 
 def test_speed_is_the_norm_of_the_derivative():
@@ -40,12 +41,13 @@ def test_rotations_about_one_axis_are_filtered_like_numbers():
     angles = np.array([0.0, 0.3, 0.5, 0.4])
     options = {"min_cutoff": 1.0, "beta": 2.0, "derivative_cutoff": 0.5}
     times = [0.0, 0.1, 0.25, 0.3]
-    turned, w = filters.one_euro_rotations(
+    turned, w, spin = filters.one_euro_rotations(
         times, Rotation.from_rotvec(angles[:, None] * [0, 0, 1]).as_quat(), **options
     )
-    moved, v = filters.one_euro_points(times, angles[:, None] * [0, 0, 1], **options)
+    moved, v, speed = filters.one_euro_points(times, angles[:, None] * [0, 0, 1], **options)
     assert turned.as_rotvec() == pytest.approx(moved)
     assert w == pytest.approx(v)
+    assert spin == pytest.approx(speed)
 
 
 def test_fit_recovers_a_parabola_and_weighs_residuals():

@@ -68,6 +68,16 @@ def test_an_existing_folder_is_not_overwritten(tmp_path: Path) -> None:
         ('{"format": "igrip-dataset/1", "objects": "ycb"}', "recording\n", "list of strings"),
         ('{"format": "igrip-dataset/1"}', "name\nx\n", "no column 'recording'"),
         ('{"format": "igrip-dataset/1"}', "recording\tonset_s\na\tsoon\n", "line 2, onset_s"),
+        (
+            '{"format": "igrip-dataset/1"}',
+            "recording\tend_s\na\tnan\n",
+            "line 2, end_s: 'nan' is no",
+        ),
+        (
+            '{"format": "igrip-dataset/1"}',
+            "recording\tonset_s\tend_s\na\t2\t1\n",
+            "ends before it begins",
+        ),
         ('{"format": "igrip-dataset/1"}', "recording\thand\n\tleft\n", "line 2: recording is emp"),
         ('{"format": "igrip-dataset/1"}', "recording\na\tb\tc\n", "more fields than the header"),
     ],
@@ -80,3 +90,34 @@ def test_what_is_wrong_is_named(
     (tmp_path / "trials.tsv").write_text(trials)
     with pytest.raises(DatasetError, match=problem):
         Dataset.open(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["../evil", "a/b", "", ".hidden", "a\\b", "..", "nul\0"])
+def test_recordings_stay_in_their_folder(tmp_path: Path, name: str) -> None:
+    writer = DatasetWriter(tmp_path / "d", "n", "l", "s")
+    with writer, pytest.raises(DatasetError, match="cannot be named"):
+        writer.add(Trial(name), [])
+    with pytest.raises(DatasetError, match="cannot be named"):
+        Dataset(tmp_path, {}, ()).recording(Trial(name))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_dataset_is_there_as_a_whole_or_not_at_all(tmp_path: Path) -> None:
+    with pytest.raises(ZeroDivisionError), DatasetWriter(tmp_path / "d", "n", "l", "s") as writer:
+        writer.add(Trial("a"), [Observation(t=0.0)])
+        assert not (tmp_path / "d").exists()
+        raise ZeroDivisionError
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_are_given_once(tmp_path: Path) -> None:
+    with DatasetWriter(tmp_path / "d", "n", "l", "s") as writer:
+        writer.add(Trial("a"), [])
+        with pytest.raises(DatasetError, match="two recordings are named 'a'"):
+            writer.add(Trial("a"), [])
+
+
+def test_a_byte_order_mark_is_no_column(tmp_path: Path) -> None:
+    (tmp_path / "dataset.json").write_text('\ufeff{"format": "igrip-dataset/1"}')
+    (tmp_path / "trials.tsv").write_text("\ufeffrecording\thand\na\tleft\n")
+    assert Dataset.open(tmp_path).trials == (Trial("a", hand="left"),)

@@ -16,13 +16,13 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
+    rich_markup_mode=None,
 )
 
 
 def _version(asked: bool) -> None:
     if asked:
-        output.print(f"igrip {__version__}", highlight=False)
+        output.print(f"igrip {__version__}")
         raise typer.Exit
 
 

@@ -15,13 +15,14 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-output = Console()
-errors = Console(stderr=True)
+# no markup: names and paths come from outside, and may hold brackets
+output = Console(markup=False, highlight=False)
+errors = Console(stderr=True, markup=False, highlight=False)
 
 
 def print_json(value: Any) -> None:
     """Print one JSON document for a program to read."""
-    print(json.dumps(value, indent=2, ensure_ascii=False))
+    print(json.dumps(value, indent=2, allow_nan=False))
 
 
 def progress() -> Progress:

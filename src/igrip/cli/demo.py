@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 from rich.live import Live
 from rich.table import Table
+from rich.text import Text
 
 from igrip.cli.console import errors, output, print_json
 from igrip.config import Config
@@ -69,7 +70,7 @@ def demo(
     if as_json:
         print_json(tally.summary())
     else:
-        output.print(tally.words(), highlight=False, soft_wrap=True)
+        output.print(tally.words(), soft_wrap=True)
 
 
 def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
@@ -84,9 +85,9 @@ def _open_viewer(estimator: Estimator, port: int) -> Viewer | None:
     try:
         viewer = Viewer(estimator.scene, port=port)
     except MissingExtraError as error:
-        errors.print(f"[yellow]{error}[/]; going on without the page", highlight=False)
+        errors.print(f"{error}; going on without the page", style="yellow")
         return None
-    errors.print(f"The scene is live at [bold]{viewer.url}[/]", highlight=False)
+    errors.print(f"The scene is live at {viewer.url}")
     return viewer
 
 
@@ -139,7 +140,7 @@ def _run(
             if on_screen:
                 live.update(_screen(moment, intentions, tally))
             if line and not quiet:
-                output.print(line, highlight=False, soft_wrap=True)
+                output.print(line, soft_wrap=True)
     finally:
         if on_screen:
             live.stop()
@@ -160,7 +161,7 @@ def _screen(moment: Moment, intentions: list[Intention], tally: Tally) -> Table:
         table.add_row(
             intention.hand,
             intention.status,
-            f"[{colour}]{intention.target or '-'}[/]",
+            Text(intention.target or "-", colour),
             intention.grip or "-",
             "-" if intention.confidence is None else f"{intention.confidence:.2f}",
             "-" if intention.time_to_contact is None else f"{intention.time_to_contact:.2f} s",

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.table import Table
+from rich.text import Text
 
 from igrip.cli.console import output, print_json
 from igrip.compiled import cache_directory, kernel_cache_directory
@@ -116,8 +117,11 @@ def _print(report: dict[str, Any]) -> None:
     for name, check in report["checks"].items():
         table.add_row(_mark(check["ok"]), name, check["detail"])
     output.print(table)
-    output.print("The core works." if report["ok"] else "[bold red]The core does not work.[/]")
+    if report["ok"]:
+        output.print("The core works.")
+    else:
+        output.print("The core does not work.", style="bold red")
 
 
-def _mark(good: bool, otherwise: str = "[red]✗[/]") -> str:
-    return "[green]✓[/]" if good else otherwise
+def _mark(good: bool, otherwise: str = "✗") -> Text:
+    return Text("✓", "green") if good else Text(otherwise, "red")

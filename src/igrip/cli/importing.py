@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import errors, output, print_json, progress
-from igrip.errors import DatasetError
 from igrip.importers.base import ImportOptions, find_importer, read_tables, write_dataset
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
@@ -27,12 +26,19 @@ def import_tables(
         list[str],
         typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:…. Repeatable."),
     ] = ["ycb"],  # noqa: B006 - typer copies it
-    rate: Annotated[float, typer.Option(help="Samples per second of the dataset.")] = 30.0,
-    rest: Annotated[float, typer.Option(help="Rest added before onset [s].")] = 0.0,
-    noise: Annotated[float, typer.Option(help="Sd of sensor noise added per axis [m].")] = 0.0,
-    seed: Annotated[int, typer.Option(help="Seed of that noise.")] = 0,
+    rate: Annotated[
+        float, typer.Option(help="Samples per second of the dataset.", min=1.0, max=1000.0)
+    ] = 30.0,
+    rest: Annotated[
+        float, typer.Option(help="Rest added before onset [s].", min=0.0, max=60.0)
+    ] = 0.0,
+    noise: Annotated[
+        float, typer.Option(help="Sd of sensor noise added per axis [m].", min=0.0, max=1.0)
+    ] = 0.0,
+    seed: Annotated[int, typer.Option(help="Seed of that noise.", min=0)] = 0,
     limit: Annotated[
-        int, typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.")
+        int,
+        typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.", min=0),
     ] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
@@ -45,10 +51,7 @@ def import_tables(
     """
     named = list(dict.fromkeys([*objects, *([mesh] if ":" in mesh else [])]))
     catalog = load_objects(*named)
-    try:
-        options = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
-    except ValueError as error:
-        raise DatasetError(f"these options make no sense: {error}") from error
+    options = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
     catalog[mesh]
     found = read_tables(tables)
     importer = find_importer(found)
@@ -73,9 +76,8 @@ def import_tables(
         return
     output.print(
         f"{summary['trials']} trials of {summary['participants']} participants in {out}",
-        highlight=False,
     )
-    errors.print(f"Next: igrip replay {out} --targets paper --targets repaired", highlight=False)
+    errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
 
 
 def _absolute(sources: Sequence[str]) -> list[str]:

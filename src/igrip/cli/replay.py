@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
+import msgspec
 import typer
 
 from igrip.cli.console import errors, output, print_json, progress
@@ -18,7 +21,7 @@ from igrip.evaluation.replay import TrialResult, run_dataset
 from igrip.intention import Intention
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
-from igrip.recording.jsonl import JsonlReader, JsonlWriter
+from igrip.recording.jsonl import JsonlReader
 from igrip.sources.base import open_source
 from igrip.targets import TARGETS
 
@@ -36,22 +39,26 @@ def replay(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Write every intention to this .jsonl.")
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Processes; 0: one per processor.")] = 0,
+    jobs: Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)] = 0,
     limit: Annotated[
-        int, typer.Option(help="Replay this many trials, evenly spread over the table; 0: all.")
+        int,
+        typer.Option(help="Replay this many trials, evenly spread over the table; 0: all.", min=0),
     ] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
     """Run an estimator over recordings and sum up what it said.
 
     Over a dataset: trial success and accuracy at 40 and 60 % of the movement, for each estimator.
-    Exit code 1 if some trials could not be read.
+    With --out, each line also says of which recording and estimator it is. Exit code 1 if some
+    trials could not be read.
 
     Example: igrip replay near-far --targets paper --targets repaired
     """
     configs = [Config(targets=name) for name in targets or [Config().targets]]
     for config in configs:
         TARGETS.get(config.targets)
+    if not recording.exists():
+        raise RecordingError(f"{recording}: no such file or folder")
     if recording.is_dir():
         _replay_dataset(recording, configs, objects or [], out, jobs, limit, as_json)
         return
@@ -67,24 +74,24 @@ def _replay_recording(
     estimator = Estimator(load_objects(*objects), config)
     intentions: list[Intention] = []
     messages, first, last = 0, 0.0, 0.0
-    with progress() as bar:
+    with _writer(out) as write, progress() as bar:
         task = bar.add_task(f"replaying {path.name}", total=None)
         for observation in source:
             first = observation.t if not messages else first
             last, messages = observation.t, messages + 1
-            intentions += estimator.update(observation)
+            for intention in estimator.update(observation):
+                intentions.append(intention)
+                write(intention.to_json())
             bar.advance(task)
-    cut = source.cut if isinstance(source, JsonlReader) else None
-    if cut:
-        errors.print(f"[yellow]{cut}[/]", highlight=False, soft_wrap=True)
-    if out is not None:
-        _write(out, intentions)
     summary = recording_summary(str(path), config.targets, messages, last - first, intentions)
+    cut = source.cut if isinstance(source, JsonlReader) else None
     summary |= {"cut": cut, "inputs": estimator.inputs()}
     if as_json:
         print_json(summary)
     else:
         print_recording(output, summary)
+    if cut:
+        errors.print(cut, style="yellow", soft_wrap=True)
 
 
 def _replay_dataset(
@@ -102,18 +109,17 @@ def _replay_dataset(
         trials = [trials[k * len(trials) // limit] for k in range(limit)]
     jobs = min(jobs or os.cpu_count() or 1, max(1, len(trials) // 20))
     results: list[TrialResult] = []
-    kept: list[Intention] = []
     begin = time.perf_counter()
-    with progress() as bar:
+    with _writer(out) as write, progress() as bar:
         task = bar.add_task(f"replaying {dataset.name}", total=len(trials))
         for done in run_dataset(dataset, configs, jobs, trials, objects, out is not None):
             for result, intentions in done:
                 results.append(result)
-                kept += intentions
+                origin = {"recording": result.trial.recording, "targets": result.targets}
+                for intention in intentions:
+                    write(msgspec.json.encode(intention.to_dict() | origin))
             bar.advance(task)
     elapsed = time.perf_counter() - begin
-    if out is not None:
-        _write(out, kept)
     summary = dataset_summary(dataset, results)
     recorded = sum(result.recorded for result in results)
     summary |= {"processes": jobs, "seconds": elapsed, "times_real_time": recorded / elapsed}
@@ -125,7 +131,15 @@ def _replay_dataset(
         raise typer.Exit(1)
 
 
-def _write(path: Path, intentions: list[Intention]) -> None:
-    with JsonlWriter(path) as file:
-        for intention in intentions:
-            file.write(intention)
+@contextmanager
+def _writer(path: Path | None) -> Iterator[Callable[[bytes], object]]:
+    """Open the file of the intentions before the long work, and write each as it comes."""
+    if path is None:
+        yield lambda line: None
+        return
+    try:
+        file = path.open("wb")
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror or error}") from error
+    with file:
+        yield lambda line: file.write(line + b"\n")

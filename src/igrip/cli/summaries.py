@@ -69,7 +69,6 @@ def print_recording(console: Console, summary: dict[str, Any]) -> None:
     console.print(
         f"{summary['recording']}: {summary['messages']} messages, {summary['seconds']:.1f} s, "
         f"{summary['intentions']} intentions by {summary['targets']}",
-        highlight=False,
     )
     table = Table("hand", "reach", "target", "settled after", "grip", "score")
     for hand, found in summary["hands"].items():
@@ -97,16 +96,20 @@ def dataset_summary(dataset: Dataset, results: Sequence[TrialResult]) -> dict[st
         for group in groups:
             part = [result for result in own if result.trial.extra.get(GROUPS) == group]
             table.append({"targets": name, "group": group, **_scores(part)})
-    problems = {
-        result.trial.recording: result.problem for result in results if result.problem is not None
-    }
+    problems = [
+        {"recording": r.trial.recording, "trial": r.trial.trial, "targets": r.targets,
+         "problem": r.problem}
+        for r in results if r.problem is not None
+    ]  # fmt: skip
+    people = {result.trial.participant for result in results} - {None}
     return {
         "dataset": dataset.name,
         "derived": dataset.description.get("derived"),
         "trials": len({result.trial.recording for result in results}),
-        "participants": len({result.trial.participant for result in results}),
+        "participants": len(people),
         "results": table,
         "problems": problems,
+        "cut": sorted({result.cut for result in results if result.cut}),
     }
 
 
@@ -122,6 +125,7 @@ def _scores(results: Sequence[TrialResult]) -> dict[str, Any]:
         "success": float(np.mean([score.success for score, _ in scored])),
         **{f"accuracy_{f:.0%}": float(a) for f, a in zip(FRACTIONS, accurate, strict=True)},
         "delay_s": float(np.mean(delays)) if delays else None,
+        "delay_clipped_s": float(np.mean(np.maximum(delays, 0.0))) if delays else None,
         "margin_s": float(np.mean(margins)) if margins else None,
     }
 
@@ -132,21 +136,20 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
         f"{summary['dataset']}: {summary['trials']} trials of {summary['participants']} "
         f"participants; {summary['times_real_time']:.0f} × real time on "
         f"{summary['processes']} process(es)",
-        highlight=False,
     )
     for key, value in (summary["derived"] or {}).items():
-        console.print(f"  {key}: {value}", highlight=False)
+        console.print(f"  {key}: {value}")
     table = Table("targets", "group")
     for column in ("trials", "success", *(f"right at {f:.0%}" for f in FRACTIONS)):
         table.add_column(column, justify="right")
-    for column in ("delay", "margin"):
+    for column in ("delay", "from onset on", "margin"):
         table.add_column(column, justify="right")
     for row in summary["results"]:
         if not row["trials"]:
             table.add_row(row["targets"], row["group"], "0")
             continue
         shares = [row["success"], *(row[f"accuracy_{f:.0%}"] for f in FRACTIONS)]
-        times = [row["delay_s"], row["margin_s"]]
+        times = [row["delay_s"], row["delay_clipped_s"], row["margin_s"]]
         table.add_row(
             row["targets"],
             row["group"],
@@ -155,8 +158,11 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
             *("-" if seconds is None else f"{seconds:.2f} s" for seconds in times),
         )
     console.print(table)
+    for cut in summary["cut"]:
+        console.print(cut, style="yellow", soft_wrap=True)
     problems = summary["problems"]
     if problems:
-        console.print(f"[yellow]{len(problems)} trial(s) could not be scored:[/]")
-        for recording, problem in list(problems.items())[:10]:
-            console.print(f"  {recording}: {problem}", highlight=False)
+        console.print(f"{len(problems)} result(s) are missing:", style="yellow")
+        for found in problems[:10]:
+            words = f"  {found['recording']} ({found['targets']}): {found['problem']}"
+            console.print(words, soft_wrap=True)

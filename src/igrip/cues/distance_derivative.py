@@ -18,4 +18,6 @@ def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -
     """
     if motion.speed < config.least_speed or motion.speed == 0.0:
         return np.zeros(len(geometry.centre_rate))
-    return -geometry.centre_rate / motion.speed
+    scores = -geometry.centre_rate / motion.speed
+    # straight at the centre of a resting object, rounding may leave [-1, 1] by some digits
+    return np.where(np.abs(scores) < 1.0 + 1e-9, np.clip(scores, -1.0, 1.0), scores)

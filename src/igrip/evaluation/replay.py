@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +41,8 @@ class TrialResult:
         Whether it was right at each of :data:`FRACTIONS` of the movement.
     recorded : float
         Length of the recording [s].
+    cut : str or None
+        Where the recording was cut off.
     problem : str or None
         What is wrong with the trial.
     """
@@ -51,6 +53,7 @@ class TrialResult:
     score: TrialScore | None = None
     accurate: tuple[bool, ...] = ()
     recorded: float = 0.0
+    cut: str | None = None
     problem: str | None = None
 
 
@@ -59,46 +62,34 @@ def run_trial(
 ) -> tuple[TrialResult, list[Intention]]:
     """Run one estimator over one recording and score it against the row of the trial."""
     intentions: list[Intention] = []
+    seen: set[str] = set()
     first = last = 0.0
+    result = TrialResult(config.targets, trial)
     try:
+        reader = JsonlReader(dataset.recording(trial))
         estimator = Estimator(catalog, config)
-        for number, observation in enumerate(JsonlReader(dataset.recording(trial))):
+        for number, observation in enumerate(reader):
             first = observation.t if number == 0 else first
             last = observation.t
+            seen.update(observation.objects)
             intentions += estimator.update(observation)
     except IgripError as error:
-        return TrialResult(config.targets, trial, problem=str(error)), intentions
+        return replace(result, problem=str(error)), intentions
     own = [intention for intention in intentions if intention.hand == trial.hand]
-    problem = _problem(trial, own)
-    no_reach = trial.target in (None, NEVER)
-    if problem is not None or no_reach or trial.onset_s is None or trial.end_s is None:
-        return (
-            TrialResult(config.targets, trial, len(own), recorded=last - first, problem=problem),
-            intentions,
-        )
+    result = replace(result, frames=len(own), recorded=last - first, cut=reader.cut)
+    if trial.target in (None, NEVER):
+        return result, intentions  # nothing to compare with, and nothing wrong
+    if trial.onset_s is None or trial.end_s is None:
+        return replace(result, problem="onset and end are not known"), intentions
+    if not own:
+        return replace(result, problem=f"hand {trial.hand!r} was never seen"), intentions
+    if trial.target not in seen:
+        return replace(result, problem=f"target {trial.target!r} never appears"), intentions
     times = np.array([intention.t for intention in own])
     correct = np.array([intention.target == trial.target for intention in own])
-    return (
-        TrialResult(
-            config.targets,
-            trial,
-            len(own),
-            score_trial(times, correct, trial.onset_s, trial.end_s),
-            tuple(causal_accuracy(times, correct, trial.onset_s, trial.end_s, FRACTIONS).tolist()),
-            last - first,
-        ),
-        intentions,
-    )
-
-
-def _problem(trial: Trial, own: Sequence[Intention]) -> str | None:
-    if trial.target in (None, NEVER):
-        return None  # nothing to compare with, and nothing wrong
-    if trial.onset_s is None or trial.end_s is None:
-        return "onset and end of the movement are not known"
-    if not own:
-        return f"hand {trial.hand!r} was never seen"
-    return None
+    score = score_trial(times, correct, trial.onset_s, trial.end_s)
+    accurate = causal_accuracy(times, correct, trial.onset_s, trial.end_s, FRACTIONS)
+    return replace(result, score=score, accurate=tuple(accurate.tolist())), intentions
 
 
 @dataclass(frozen=True)

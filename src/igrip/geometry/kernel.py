@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from igrip.compiled import kernel
+from igrip.geometry.bvh import STACK
 from igrip.geometry.query import cast_ray, nearest
 
 # columns of a cone description, see measure()
-SLOW, SLOW_TANGENT, FAST, FAST_TANGENT, LEAST = 0, 1, 2, 3, 4
+SLOW, SLOW_ANGLE, FAST, FAST_ANGLE, LEAST = 0, 1, 2, 3, 4
 RAYS, RAY_NODES, POINT_NODES = 2, 0, 1  # counters
-_STACK = 128
 
 
 @kernel
@@ -18,10 +18,7 @@ def cone_tangent(speed, cone):
     """Return the tangent of the half-angle of the cone at a local speed, interpolated linearly."""
     part = (speed - cone[SLOW]) / (cone[FAST] - cone[SLOW])
     part = min(1.0, max(0.0, part))
-    return np.tan(
-        np.arctan(cone[SLOW_TANGENT])
-        + part * (np.arctan(cone[FAST_TANGENT]) - np.arctan(cone[SLOW_TANGENT]))
-    )
+    return np.tan(cone[SLOW_ANGLE] + part * (cone[FAST_ANGLE] - cone[SLOW_ANGLE]))
 
 
 @kernel
@@ -148,7 +145,7 @@ def measure(
     pattern : (r, 2)
         Rays of a cone on the unit disc; the first is the axis.
     cone : (5,)
-        Slow speed, its tangent, fast speed, its tangent, least speed for a cone.
+        Slow speed, its half-angle, fast speed, its half-angle, least speed for a cone.
     hits : (h, o) int64, written
         Number of rays that meet the mesh; objects do not hide one another.
     distances : (4, h, o), written
@@ -157,8 +154,8 @@ def measure(
     counters : (3,) int64, added to
         Tree nodes visited by rays and by nearest-point queries, and rays cast.
     """
-    stack = np.empty(_STACK, dtype=np.int32)
-    near_stack = np.empty(_STACK)
+    stack = np.empty(STACK, dtype=np.int32)
+    near_stack = np.empty(STACK)
     p, v, d = np.empty(3), np.empty(3), np.empty(3)
     frame = np.empty((3, 3))
     barycentre = np.empty(3)
@@ -218,7 +215,7 @@ def cone_impacts(
     ``directions`` (f, r, 3), world frame, and ``lengths`` (f, r), infinity for a miss, are written;
     NaN directions mark points without a cone.
     """
-    stack = np.empty(_STACK, dtype=np.int32)
+    stack = np.empty(STACK, dtype=np.int32)
     counters = np.zeros(3, dtype=np.int64)
     p, v, d = np.empty(3), np.empty(3), np.empty(3)
     frame = np.empty((3, 3))
@@ -265,8 +262,8 @@ def approach(
     out : (4,), written
         Time [s] (NaN: not before the limit) and the nearest surface point, mesh frame [m].
     """
-    stack = np.empty(_STACK, dtype=np.int32)
-    near_stack = np.empty(_STACK)
+    stack = np.empty(STACK, dtype=np.int32)
+    near_stack = np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
     world, p = np.empty(3), np.empty(3)
     bend = 0.0

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import model_validator
 
 from igrip.entities import Vector
 from igrip.geometry import kernel
@@ -46,6 +47,12 @@ class RayConfig(Settings):
         0.08, "m", "palm to surface when a grasp closes", "SPEC §9", ge=0
     )
     contact_horizon: float = quantity(2.0, "s", "contact is looked for until then", "SPEC §9", gt=0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> RayConfig:
+        if not self.slow_speed < self.fast_speed:
+            raise ValueError("slow_speed must be less than fast_speed")
+        return self
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,8 +163,8 @@ class Scene:
         self._config = config
         self._cone = np.array(
             [
-                config.slow_speed, math.tan(config.slow_angle),
-                config.fast_speed, math.tan(config.fast_angle), config.least_speed,
+                config.slow_speed, config.slow_angle, config.fast_speed, config.fast_angle,
+                config.least_speed,
             ]
         )  # fmt: skip
         self._pattern = ray_pattern(config.rays)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -53,6 +54,17 @@ class Reach:
     positions: Array
     places: Mapping[str, Array]
     extra: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        good = len(self.times) > 1 and np.isfinite(self.times).all()
+        if not good or not (np.diff(self.times) > 0).all():
+            raise DatasetError(f"{self.name}: its times do not increase, or there are not two")
+        if not np.isfinite(self.positions).all():
+            raise DatasetError(f"{self.name}: has positions that are not finite")
+        if not all(np.isfinite(place).all() for place in self.places.values()):
+            raise DatasetError(f"{self.name}: an object has no finite place")
+        if self.target not in self.places:
+            raise DatasetError(f"{self.name}: its target {self.target!r} has no place")
 
 
 class Importer(Protocol):
@@ -138,9 +150,7 @@ def find_importer(tables: Mapping[str, pd.DataFrame]) -> Importer:
     raise DatasetError(f"no importer recognises these tables (known: {known}). Found {seen}")
 
 
-def observe(
-    reach: Reach, index: int, catalog: Catalog, options: ImportOptions
-) -> list[Observation]:
+def observe(reach: Reach, catalog: Catalog, options: ImportOptions) -> list[Observation]:
     """Return one reach as a recording: objects first, then the hand at an even rate.
 
     The mesh stands upright as in its file, the middle of its cylinder at the object's place.
@@ -151,7 +161,8 @@ def observe(
     points = np.stack(
         [np.interp(since_onset, reach.times, reach.positions[:, axis]) for axis in range(3)], axis=1
     )
-    random = np.random.default_rng([options.seed, index])
+    # seeded by the name, so that a reach is the same whichever others are imported
+    random = np.random.default_rng([options.seed, zlib.crc32(reach.name.encode())])
     points += random.normal(0.0, 1.0, points.shape) * options.noise
     model = catalog[options.mesh]
     objects = {
@@ -197,18 +208,19 @@ def write_dataset(
         },
     )
     onset = round(options.rest * options.rate) / options.rate  # rest is a whole number of samples
-    for index, read in enumerate(reaches):
-        reach = read()
-        trial = Trial(
-            recording=reach.name,
-            participant=reach.participant,
-            trial=reach.trial,
-            hand=reach.hand,
-            target=reach.target,
-            onset_s=round(onset, 6),
-            end_s=round(onset + float(reach.times[-1]), 6),
-            extra=reach.extra,
-        )
-        writer.add(trial, observe(reach, index, catalog, options))
-        yield None
-    yield writer.close()
+    with writer:
+        for read in reaches:
+            reach = read()
+            trial = Trial(
+                recording=reach.name,
+                participant=reach.participant,
+                trial=reach.trial,
+                hand=reach.hand,
+                target=reach.target,
+                onset_s=round(onset, 6),
+                end_s=round(onset + float(reach.times[-1]), 6),
+                extra=reach.extra,
+            )
+            writer.add(trial, observe(reach, catalog, options))
+            yield None
+        yield writer.close()

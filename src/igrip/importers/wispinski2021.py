@@ -56,12 +56,12 @@ class Wispinski2021:
                 last = np.searchsorted(numbers, row["trial"], side="right")
                 part = values[first:last]
                 return Reach(
-                    name=f"{row['participant']}_{row['trial']:05d}",
+                    name=f"{row['participant']}_{int(row['trial']):05d}",
                     participant=str(row["participant"]),
                     trial=str(row["trial"]),
                     hand="right",
                     target=str(row["target"]),
-                    times=part[:, 0] - part[0, 0],
+                    times=part[:, 0] - part[:1, 0],
                     positions=part[:, 1:],
                     places={
                         side: np.array([row[f"{side}_{axis}"] for axis in "xyz"], dtype=np.float64)

@@ -47,7 +47,10 @@ class PositionFilter:
     value : 3 floats or None
         Filtered position [m]; None before the first sample.
     derivative : 3 floats
-        Low-passed velocity [m/s].
+        What drives the cutoff: the low-passed step from the filtered point to the new sample, over
+        time [m/s]. It holds the lag of the filter, so it is no velocity.
+    velocity : 3 floats
+        Low-passed velocity of the filtered point [m/s].
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
@@ -55,6 +58,7 @@ class PositionFilter:
         self._t = 0.0
         self.value: Vector | None = None
         self.derivative: Vector = (0.0, 0.0, 0.0)
+        self.velocity: Vector = (0.0, 0.0, 0.0)
 
     def update(self, t: float, position: Vector) -> Vector:
         """Take a sample measured at ``t`` [s], later than the last; return the filtered point."""
@@ -71,7 +75,10 @@ class PositionFilter:
         weight = smoothing(self._config.derivative_cutoff, dt)
         self.derivative = _blend(self.derivative, raw, weight)
         cutoff = self._config.min_cutoff + self._config.beta * math.hypot(*self.derivative)
-        self.value = _blend(old, position, smoothing(cutoff, dt))
+        part = smoothing(cutoff, dt)
+        self.value = _blend(old, position, part)
+        moved = (part * raw[0], part * raw[1], part * raw[2])
+        self.velocity = _blend(self.velocity, moved, weight)
         self._t = t
         return self.value
 
@@ -84,7 +91,9 @@ class OrientationFilter:
     value : 4 floats or None
         Filtered rotation, unit quaternion x, y, z, w; None before the first sample.
     derivative : 3 floats
-        Low-passed angular velocity in the world frame [rad/s].
+        What drives the cutoff, see :class:`PositionFilter`; world frame [rad/s].
+    velocity : 3 floats
+        Low-passed angular velocity of the filtered rotation, world frame [rad/s].
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
@@ -92,6 +101,7 @@ class OrientationFilter:
         self._t = 0.0
         self.value: Quaternion | None = None
         self.derivative: Vector = (0.0, 0.0, 0.0)
+        self.velocity: Vector = (0.0, 0.0, 0.0)
 
     def update(self, t: float, orientation: Quaternion) -> Quaternion:
         """Take a sample measured at ``t`` [s], later than the last; return it filtered."""
@@ -109,5 +119,7 @@ class OrientationFilter:
         part = smoothing(cutoff, dt)
         turn = rotation.exponential((part * step[0], part * step[1], part * step[2]))
         self.value = rotation.normalise(rotation.multiply(turn, self.value))
+        moved = (part * raw[0], part * raw[1], part * raw[2])
+        self.velocity = _blend(self.velocity, moved, weight)
         self._t = t
         return self.value

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from igrip.entities import Hand
 from igrip.health import Gate, HealthConfig
 from igrip.intention import Status
@@ -25,7 +27,9 @@ class HandTrack:
         self.gate = Gate(health, health.hand_limit)
         self.trajectory = Trajectory(config)
         self.motion: Motion | None = None
-        self._invalid: str | None = None
+        self._limit = health.hand_limit
+        self._refusal: str | None = None
+        self._refused_at = 0.0
         self._late = False
 
     def update(self, now: float, hand: Hand) -> bool:
@@ -34,22 +38,24 @@ class HandTrack:
         verdict = self.gate.judge(now, t, hand.position)
         if verdict.action == "ignore":
             return False
-        self._invalid = verdict.reason
+        self._refusal, self._refused_at = verdict.reason, now
         if verdict.action == "refuse":
             return True
         if verdict.action == "restart":
             self.trajectory.reset()
-        self.motion = self.trajectory.update(t, hand.position)
+        self.motion = self.trajectory.update(self.gate.newest, hand.position)
         return True
 
     def advance(self, now: float) -> None:
         """Note that the time is ``now`` [s]."""
         self._late = self.gate.is_late(now)
+        if now - self._refused_at > self._limit:
+            self._refusal = None  # long ago: what matters now is that nothing comes
 
     @property
     def status(self) -> Status:
         """What the hand is doing, as far as its input tells."""
-        if self._invalid is not None:
+        if self._refusal is not None:
             return "invalid"
         if self._late:
             return "lost"
@@ -59,10 +65,17 @@ class HandTrack:
 
     def reason(self, now: float) -> str | None:
         """Why there is no answer for this hand, or what is wrong with its input, in words."""
-        if self._invalid is not None:
-            return self._invalid
+        if self._refusal is not None:
+            return self._refusal
         if self._late:
+            if math.isnan(self.gate.newest):
+                return "never measured in a way that could be believed"
             return f"not measured for {now - self.gate.newest:.2f} s"
         if self.motion is None:
-            return f"{len(self.trajectory)} of at least 3 samples for a prediction"
-        return self.gate.frozen()
+            return f"{len(self.trajectory)} samples do not determine a prediction yet"
+        return self.gate.remark()
+
+    @property
+    def is_late(self) -> bool:
+        """Whether it has not been measured for too long."""
+        return self._late

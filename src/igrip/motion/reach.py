@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple
 
+from pydantic import model_validator
+
 from igrip.entities import Vector
 from igrip.settings import Settings, quantity
 
@@ -22,6 +24,12 @@ class ReachConfig(Settings):
         0.10, "1", "below this part of the peak speed a hand rests", "SPEC §7", ge=0, lt=1
     )
     dwell: float = quantity(0.10, "s", "rest must last this long to end a reach", "guess", ge=0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ReachConfig:
+        if not self.rest_speed <= self.onset_speed:
+            raise ValueError("rest_speed must not be more than onset_speed")
+        return self
 
 
 class Reach(NamedTuple):

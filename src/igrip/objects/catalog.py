@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -143,7 +142,11 @@ def _meshes_of(source: str | Path) -> list[MeshFile] | list[Primitive]:
 
 def _load(mesh: MeshFile | Primitive) -> ObjectModel:
     """Read a model from the cache, or build it and put it there."""
-    path = cache_directory() / "models" / f"{_builder_digest()}-{mesh.digest()[:32]}.npz"
+    try:
+        digest = mesh.digest()
+    except OSError as error:
+        raise ObjectsError(f"{mesh.name}: cannot be read: {error}") from error
+    path = cache_directory() / "models" / f"{_builder_digest()}-{digest[:32]}.npz"
     cached = _read_cache(path, mesh)
     if cached is not None:
         return cached
@@ -168,12 +171,12 @@ _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere")
 
 def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
             fields.update({name: float(stored[name]) for name in _SCALARS})
             bvh = Bvh(*(stored[f"bvh_{name}"] for name in Bvh._fields))
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return None  # absent, or cut by a crash: it is built again
+    except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
+        return None  # it is built again
     return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, bvh=bvh, **fields)
 
 

@@ -165,7 +165,9 @@ def _longest_edge(hull: Array) -> tuple[Array, Array]:
     sign that points along it, so that a cube stands as its file does.
     """
     try:
-        box_from_mesh, extents = trimesh.bounds.oriented_bounds(hull, ordered=False)
+        # by default trimesh drops candidates that are within 0.1 rad of one another: which ones
+        # would hang on how the file is turned
+        box_from_mesh, extents = trimesh.bounds.oriented_bounds(hull, ordered=False, angle_digits=4)
         directions = box_from_mesh[:3, :3]
     except Exception:  # flat: qhull reports it by several kinds of error
         extents, directions = np.ptp(hull, axis=0), np.eye(3)

@@ -19,6 +19,7 @@ from igrip.settings import Settings
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 LARGEST, SMALLEST = 3.0, 0.002  # extent of a thing a hand can grasp, beyond any doubt [m]
 TABLE = "objects.toml"
+MESHES = frozenset({"3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl"})
 _PRIMITIVE = re.compile(r"(box|cylinder):([0-9.eE+-]+(?:x[0-9.eE+-]+)*)")
 
 
@@ -60,8 +61,12 @@ class MeshFile:
 
     def digest(self) -> str:
         """Return a hash of the file and of what is said about it."""
-        text = self.options.model_dump_json().encode()
-        return hashlib.sha256(self.path.read_bytes() + text).hexdigest()
+        digest = hashlib.sha256(self.options.model_dump_json().encode())
+        digest.update(self.path.read_bytes())
+        if self.path.suffix.lower() == ".gltf":  # its numbers are in files beside it
+            for buffer in sorted(self.path.parent.glob("*.bin")):
+                digest.update(buffer.read_bytes())
+        return digest.hexdigest()
 
     def read(self) -> trimesh.Trimesh:
         """Read the mesh, in metres and in the frame its poses refer to.
@@ -149,7 +154,8 @@ def parse_primitive(text: str) -> Primitive | None:
         size = ()
     if len(size) != expected or not all(0.5 * SMALLEST <= value <= LARGEST for value in size):
         form = "box:DXxDYxDZ" if kind == "box" else "cylinder:RADIUSxHEIGHT"
-        raise ObjectsError(f"{text!r}: expected {form} in metres, from {SMALLEST} to {LARGEST}")
+        least = 0.5 * SMALLEST
+        raise ObjectsError(f"{text!r}: expected {form} in metres, from {least:g} to {LARGEST:g}")
     return Primitive(text, kind, size)
 
 
@@ -173,11 +179,13 @@ def folder_meshes(folder: Path) -> list[MeshFile]:
     """
     table = _read_table(folder / TABLE)
     defaults = table.pop("defaults", {})
-    readable = trimesh.available_formats()
+    readable = MESHES & set(trimesh.available_formats())
     files = {
         path.name: path
         for path in sorted(folder.iterdir())
-        if path.is_file() and path.suffix.lower().lstrip(".") in readable
+        if path.is_file()
+        and not path.name.startswith(".")
+        and path.suffix.lower().lstrip(".") in readable
     }
     meshes: dict[str, MeshFile] = {}
     for name, entry in table.items():
@@ -188,6 +196,8 @@ def folder_meshes(folder: Path) -> list[MeshFile]:
     for path in files.values():
         if path in described:
             continue
+        if path.stem in table:
+            continue  # the table says which file has this name
         if path.stem in meshes:
             other = meshes[path.stem].path.name
             raise ObjectsError(f"{folder}: {path.name} and {other} would have one name: rename one")

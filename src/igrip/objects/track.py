@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,14 +48,16 @@ class ObjectTrack:
         self.id, self.model_name = id, model_name
         self._config = config
         self.gate = Gate(health, health.object_limit)
+        self._limit = health.object_limit
         self._static = False
-        self._invalid: str | None = None
+        self._refusal: str | None = None
         self._late = False
+        self._static_until = -math.inf
         self.model: ObjectModel | None = None
         self._no_model: str | None = None
         try:
             self.model = catalog[model_name]
-        except (UnknownModelError, ObjectsError) as error:
+        except (UnknownModelError, ObjectsError, OSError) as error:
             self._no_model = str(error)
         self._reset()
 
@@ -64,35 +68,47 @@ class ObjectTrack:
     @property
     def reason(self) -> str | None:
         """Why the object cannot be used, in words; None if it can."""
-        if self._no_model or self._invalid:
-            return self._no_model or self._invalid
+        if self._no_model is not None:
+            return self._no_model
         if self._position.value is None:
-            return "not seen yet"
-        return "not seen for too long" if self._late else None
+            return self._refusal or "not seen yet"
+        return self._refusal or "not seen for too long" if self._late else None
 
     @property
-    def is_faulty(self) -> bool:
-        """Whether something is wrong with its input, beyond not being seen."""
-        return self._no_model is not None or self._invalid is not None
+    def fault(self) -> str | None:
+        """What is wrong with its input, in words, even where its last good pose is still used."""
+        return self._no_model or self._refusal
+
+    @property
+    def is_late(self) -> bool:
+        """Whether it has not been measured for too long, and is not static."""
+        return self._late
 
     def update(self, now: float, pose: ObjectPose) -> None:
-        """Take a measurement that arrived at ``now`` [s]."""
+        """Take a measurement that arrived at ``now`` [s]; one that is refused changes no pose."""
         t = now if pose.t is None else pose.t
         verdict = self.gate.judge(now, t, pose.position)
         if verdict.action == "ignore":
             return
-        self._invalid = verdict.reason
+        self._refusal = verdict.reason
         if verdict.action == "refuse":
             return
         if verdict.action == "restart":
             self._reset()
         self._static = pose.static
-        self._position.update(t, pose.position)
-        self._orientation.update(t, pose.orientation)
+        self._position.update(self.gate.newest, pose.position)
+        self._orientation.update(self.gate.newest, pose.orientation)
+
+    def miss(self, now: float) -> None:
+        """Note that the object was looked for and not seen: a static one begins to age."""
+        self.gate.counts["missed"] += 1
+        if self._static:
+            self._static, self._static_until = False, now
 
     def advance(self, now: float) -> None:
         """Note that the time is ``now`` [s]."""
-        self._late = not self._static and self.gate.is_late(now)
+        aged = now - max(self.gate.newest, self._static_until)
+        self._late = not self._static and not aged <= self._limit
 
     @property
     def rotation(self) -> Array:
@@ -112,7 +128,7 @@ class ObjectTrack:
         centre : (3,)
             The point, relative to the origin of the mesh, turned into the world frame [m].
         """
-        v, w = self._position.derivative, self._orientation.derivative
+        v, w = self._position.velocity, self._orientation.velocity
         x, y, z = centre
         velocity = np.array(
             [v[0] + w[1] * z - w[2] * y, v[1] + w[2] * x - w[0] * z, v[2] + w[0] * y - w[1] * x]

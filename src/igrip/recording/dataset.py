@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
+import math
+import os
+import shutil
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from igrip.errors import DatasetError, RecordingError
@@ -110,6 +115,7 @@ class Dataset:
         RecordingError
             If there is none.
         """
+        _plain_name(trial.recording)
         for ending in ENDINGS:
             path = self.path / "recordings" / f"{trial.recording}{ending}"
             if path.is_file():
@@ -119,6 +125,9 @@ class Dataset:
 
 class DatasetWriter:
     """Writes a dataset: the recordings as they come, the tables when it is closed.
+
+    It grows in a hidden folder beside its own, which takes its name at the end: a dataset is there
+    as a whole or not at all. As a context manager it leaves nothing behind when it is not closed.
 
     Parameters
     ----------
@@ -138,17 +147,28 @@ class DatasetWriter:
     def __init__(
         self, path: str | Path, name: str, license: str, source: str, **description: Any
     ) -> None:
-        self.path = Path(path)
-        if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
-            raise DatasetError(f"{self.path}: exists already; name a new folder")
+        self._final = Path(path)
+        if self._final.exists() and (not self._final.is_dir() or any(self._final.iterdir())):
+            raise DatasetError(f"{self._final}: exists already; name a new folder")
+        self._final.parent.mkdir(parents=True, exist_ok=True)
+        self.path = Path(tempfile.mkdtemp(dir=self._final.parent, prefix=f".{self._final.name}-"))
         self._description = {
             "format": FORMAT, "name": name, "license": license, "source": source, **description,
         }  # fmt: skip
         self._trials: list[Trial] = []
-        (self.path / "recordings").mkdir(parents=True, exist_ok=True)
+        (self.path / "recordings").mkdir()
 
     def add(self, trial: Trial, observations: Iterable[Observation]) -> None:
-        """Write one recording and remember its row."""
+        """Write one recording and remember its row.
+
+        Raises
+        ------
+        DatasetError
+            If the recording's name is not plain, or was given before.
+        """
+        _plain_name(trial.recording)
+        if (self.path / "recordings" / f"{trial.recording}.jsonl").exists():
+            raise DatasetError(f"two recordings are named {trial.recording!r}")
         with JsonlWriter(self.path / "recordings" / f"{trial.recording}.jsonl") as file:
             for observation in observations:
                 file.write(observation)
@@ -176,7 +196,28 @@ class DatasetWriter:
         columns = sorted({column for row in known.values() for column in row})
         people = [{"participant": name, **known.get(name, {})} for name in names]
         _write_table(self.path / "participants.tsv", ["participant", *columns], people)
+        self.path.chmod(0o755)  # a temporary folder is private
+        os.replace(self.path, self._final)
+        self.path = self._final
         return Dataset(self.path, self._description, tuple(self._trials))
+
+    def __enter__(self) -> DatasetWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.path != self._final:  # not closed: leave nothing behind
+            shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _plain_name(name: str) -> None:
+    """Refuse a name that would lead out of its folder."""
+    if not name or name in (".", "..") or any(c in name for c in "/\\\0") or name.startswith("."):
+        raise DatasetError(f"a recording cannot be named {name!r:.80}")
 
 
 def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
@@ -189,7 +230,7 @@ def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str,
 
 def _read_description(path: Path) -> Mapping[str, Any]:
     try:
-        description = json.loads(path.read_text(encoding="utf-8"))
+        description = json.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise DatasetError(f"{path.parent}: is no dataset, it has no dataset.json") from None
     except (OSError, ValueError) as error:
@@ -204,7 +245,7 @@ def _read_description(path: Path) -> Mapping[str, Any]:
 
 def _read_trials(path: Path) -> Sequence[Trial]:
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file, delimiter="\t")
             if "recording" not in (reader.fieldnames or ()):
                 raise DatasetError(f"{path}: has no column 'recording'")
@@ -225,13 +266,15 @@ def _trial(path: Path, number: int, row: Mapping[str | None, Any]) -> Trial:
             try:
                 values[name] = float(text)
             except ValueError:
-                raise DatasetError(
-                    f"{path}, line {number}, {name}: {text!r} is no number"
-                ) from None
+                values[name] = math.nan
+            if not math.isfinite(values[name]):
+                raise DatasetError(f"{path}, line {number}, {name}: {text!r} is no time")
         elif name in COLUMNS:
             values[name] = text
         else:
             extra[name] = text
     if "recording" not in values:
         raise DatasetError(f"{path}, line {number}: recording is empty")
+    if values.get("onset_s", -math.inf) >= values.get("end_s", math.inf):
+        raise DatasetError(f"{path}, line {number}: the movement ends before it begins")
     return Trial(**values, extra=extra)

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
+from typing import BinaryIO
 
 from igrip.errors import ObservationError, RecordingError
 from igrip.intention import Intention
@@ -35,15 +36,14 @@ class JsonlReader:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         self.cut: str | None = None
-        try:
-            self.path.open("rb").close()
-        except OSError as error:
-            raise RecordingError(f"{self.path}: {error.strerror or error}") from error
+        if not self.path.exists() or self.path.is_dir():
+            what = "is a folder" if self.path.is_dir() else "no such file"
+            raise RecordingError(f"{self.path}: {what}")
 
     def __iter__(self) -> Iterator[Observation]:
         self.cut = None
         last = -1.0
-        with self.path.open("rb") as file:
+        with _open(self.path) as file:
             for number, line in enumerate(file, start=1):
                 text = line.strip(b" \t\r\n\0")
                 if not text:
@@ -62,8 +62,15 @@ class JsonlReader:
                 yield observation
 
 
+def _open(path: Path) -> BinaryIO:
+    try:
+        return path.open("rb")
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror or error}") from error
+
+
 class JsonlWriter:
-    """Writes messages to a ``.jsonl`` file; each is on disk or lost as a whole line.
+    """Writes messages to a ``.jsonl`` file; a crash costs at most the line being written.
 
     Parameters
     ----------

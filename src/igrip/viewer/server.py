@@ -6,6 +6,7 @@ replace each other, and the older are dropped and counted.
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,6 +22,8 @@ from igrip.errors import MissingExtraError
 from igrip.geometry.scene import Placed, Scene
 from igrip.viewer.snapshot import HandSnapshot, Snapshot, rays_of
 from igrip.words import describe
+
+log = logging.getLogger(__name__)
 
 COLOURS = (
     (236, 140, 60), (220, 70, 60), (240, 200, 70), (90, 150, 210), (110, 180, 110), (170, 120, 200),
@@ -124,8 +127,11 @@ class Viewer:
                     return
                 snapshot, self._newest = self._newest, None
             assert snapshot is not None
-            with self._server.atomic():
-                self._draw(snapshot)
+            try:
+                with self._server.atomic():
+                    self._draw(snapshot)
+            except Exception:  # a moment that cannot be drawn must not end the page
+                log.exception("a moment at t = %.3f s was not drawn", snapshot.t)
             self.drawn += 1
 
     def _draw(self, snapshot: Snapshot) -> None:
