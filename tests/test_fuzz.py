@@ -75,6 +75,42 @@ def test_broken_messages(shapes, kind, seed):
         assert rejected
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_more_things_than_there_is_room_for(shapes, seed):
+    """Ids come and go, with and without their model, over pauses that let them be forgotten."""
+    rng, t, rejected = random.Random(seed), 0.0, 0
+    config = igrip.Config(world={"most_objects": 1 + seed % 3, "most_hands": 1 + seed % 2})
+    estimator = igrip.Estimator(shapes, config)
+    for _ in range(1500):
+        t += rng.choice((0.0, 0.03, 0.1, 0.4, 2.5))
+        plain = {"t": t, "hands": {}, "objects": {}}
+        for id in rng.sample("abcd", rng.randrange(4)):
+            where = [rng.uniform(-0.1, 0.1) for _ in range(3)]
+            age = rng.choice((0.0, 0.0, 0.1, 0.5, 3.0, -1.0))
+            entity = {"position": where, "t": max(0.0, t - age)}
+            plain["hands"][id] = rng.choice((entity, entity, None))
+            entity = {**entity, "orientation": [0, 0, 0, 1], "static": rng.random() < 0.3}
+            if rng.random() < 0.8:
+                entity["model"] = MODELS["abcd".index(id) % 3]
+            plain["objects"][id] = rng.choice((entity, entity, None))
+        try:
+            told = estimator.update(Observation(**plain))
+        except ObservationError:
+            rejected += 1
+            continue
+        report = estimator.inputs()
+        assert len(report["hands"]) <= config.world.most_hands
+        assert len(report["objects"]) <= config.world.most_objects
+        usable = {id for id, entry in report["objects"].items() if entry["usable"]}
+        assert {body.id for body in estimator.objects} == usable
+        for intention in told:
+            assert set(intention.scores) <= usable
+            assert intention.target is None or intention.target in usable
+            assert (intention.status in ("idle", "reaching")) or not intention.scores
+            assert intention.to_json()
+    assert 50 < rejected < 1000
+
+
 def test_what_was_parsed_can_be_written_and_read_again():
     rng = random.Random(3)
     written = 0

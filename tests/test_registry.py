@@ -80,6 +80,9 @@ def test_a_third_party_cue(registered, shapes):
     assert answered
     for intention in answered:
         scores = {id: row["global"] for id, row in intention.scores.items()}
+        told_too = {id: row["nearness"] for id, row in intention.scores.items()}
+        assert scores == told_too  # it is reported beside the paper's four
+        assert set(METRICS) < set(next(iter(intention.scores.values())))
         assert intention.target == max(scores, key=scores.get)
         assert intention.confidence == scores[intention.target]
 
@@ -223,6 +226,24 @@ def test_discovery_happens_once(family, monkeypatch):
     for _ in range(3):
         family.names()
     assert asked == {"some_family": 1}
+
+
+def test_two_members_of_one_name():
+    registry = Registry("toy", "igrip.cues")
+    registry.register("x")(1)
+    with pytest.raises(ValueError, match="toy named 'x'"):
+        registry.register("x")(2)
+    assert registry.register("x")(1) == 1  # the same again is no harm
+
+
+def test_a_module_that_fails_is_heard_of_each_time(family, monkeypatch):
+    def points(group):
+        raise ImportError("broken plug-in")
+
+    monkeypatch.setattr("igrip.registry.entry_points", points)
+    for _ in range(2):
+        with pytest.raises(ImportError, match="broken plug-in"):
+            family.names()
 
 
 def test_register_returns_the_member():

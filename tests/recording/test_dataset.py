@@ -103,10 +103,14 @@ def test_recordings_stay_in_their_folder(tmp_path: Path, name: str) -> None:
 
 
 def test_a_dataset_is_there_as_a_whole_or_not_at_all(tmp_path: Path) -> None:
-    with pytest.raises(ZeroDivisionError), DatasetWriter(tmp_path / "d", "n", "l", "s") as writer:
-        writer.add(Trial("a"), [Observation(t=0.0)])
-        assert not (tmp_path / "d").exists()
-        raise ZeroDivisionError
+    def interrupted() -> None:
+        with DatasetWriter(tmp_path / "d", "n", "l", "s") as writer:
+            writer.add(Trial("a"), [Observation(t=0.0)])
+            assert not (tmp_path / "d").exists()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert list(tmp_path.iterdir()) == []
 
 
