@@ -23,8 +23,17 @@ def nearest(bvh, point, vertices=True):
     """Return distances to the nearest vertex and surface point, and that point."""
     stack, near = np.empty(STACK, dtype=np.int32), np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
-    vertex, surface, *closest = query.nearest(*bvh, 0, 0, *point, vertices, stack, near, counters)
-    return vertex, surface, np.array(closest)
+    bounds = (np.inf, np.inf)
+    found = query.nearest(*bvh, 0, 0, *point, vertices, *bounds, stack, near, counters)
+    return found[0], found[1], np.array(found[2:5])
+
+
+def nearest_within(bvh, point, vertex2, surface2):
+    """Return the same, and the nearest vertex, under bounds that are known beforehand."""
+    stack, near = np.empty(STACK, dtype=np.int32), np.empty(STACK)
+    counters = np.zeros(3, dtype=np.int64)
+    found = query.nearest(*bvh, 0, 0, *point, True, vertex2, surface2, stack, near, counters)
+    return found[0], found[1], np.array(found[2:5]), np.array(found[5:]), int(counters[1])
 
 
 def embree_lengths(corners, origins, directions):

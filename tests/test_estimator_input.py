@@ -571,8 +571,18 @@ def test_unknown_names_list_the_choices(shapes, field, family):
 
 
 def test_intentions_of_one_message_are_sorted_by_hand(shapes):
-    told = run(stream(1.0, 1, hands=("b", "a", "c")), shapes)
-    assert [intention.hand for intention in told] == ["a", "b", "c"]
+    estimator = Estimator(shapes)
+    run(stream(1.0, 5, hands=("b", "d")), shapes, estimator=estimator)
+    told = run(stream(1.2, 1, hands=("d", "b", "a", "c")), shapes, estimator=estimator)
+    assert [intention.hand for intention in told] == ["a", "b", "c", "d"]
+    assert {intention.status for intention in told} > {"warming_up"}
+
+
+def test_which_hands_have_room_does_not_hang_on_their_order(shapes):
+    config = Config(world={"most_hands": 2})
+    for hands in (("a", "b", "c"), ("c", "b", "a")):
+        told = run(stream(1.0, 3, hands=hands), shapes, config)
+        assert {intention.hand for intention in told} == {"a", "b"}
 
 
 def test_updating_does_not_change_what_was_told(shapes):

@@ -98,7 +98,7 @@ def test_culling_by_the_sphere_never_loses_a_ray(seed):
         v *= rng.uniform(0.03, 1.2) / np.linalg.norm(v)
         frame = frame_of(p, v, sphere[:3])
         tangent = kernel.cone_tangent(float(np.linalg.norm(v)), CONE)
-        cone_passes = kernel._cone_can_meet(frame, tangent, p, sphere)
+        cone_passes = kernel._cone_can_meet(v, tangent, p, sphere)
         for k in range(36):
             kernel.ray_direction(frame, tangent, pattern, k, d)
             along = max(0.0, d @ (sphere[:3] - p)) / (d @ d)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from igrip.geometry.bvh import build_bvh
 from oracle import meshes
-from rays import cast, embree_lengths, nearest, towards
+from rays import cast, embree_lengths, nearest, nearest_within, towards
 from support import PAPER, soup
 
 
@@ -176,3 +176,22 @@ def test_a_point_on_the_mesh_and_one_very_far():
     far = np.array([1e6, 0.0, 0.0])
     expected = np.linalg.norm(mesh.vertices - far, axis=1).min()
     assert nearest(bvh, far)[0] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", PAPER)
+def test_bounds_known_beforehand_save_work_and_change_nothing(ycb, name):
+    """Bounds from a point nearby, as the kernel gives them."""
+    model = ycb[name]
+    rng = np.random.default_rng(5)
+    free = bounded = 0
+    for point in model.centre + rng.normal(0.0, 0.3, (100, 3)):
+        before = point + rng.normal(0.0, 0.05, 3)
+        _, _, surface, vertex, _ = nearest_within(model.bvh, before, np.inf, np.inf)
+        plain = nearest_within(model.bvh, point, np.inf, np.inf)
+        bounds = [((x - point) ** 2).sum() * (1 + 1e-12) + 1e-300 for x in (vertex, surface)]
+        within = nearest_within(model.bvh, point, *bounds)
+        assert within[:2] == plain[:2]
+        np.testing.assert_array_equal(within[2], plain[2])
+        np.testing.assert_array_equal(within[3], plain[3])
+        free, bounded = free + plain[4], bounded + within[4]
+    assert bounded < free

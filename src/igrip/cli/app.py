@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from igrip.cli import demo, doctor, importing, replay, schema
+from igrip.cli import bench, demo, doctor, importing, replay, schema
 from igrip.cli.console import output
 from igrip.version import __version__
 
@@ -38,5 +38,6 @@ def _options(
 app.command("demo")(demo.demo)
 app.command("replay")(replay.replay)
 app.command("import")(importing.import_tables)
+app.command("bench")(bench.bench)
 app.command("doctor")(doctor.doctor)
 app.command("schema")(schema.schema)

@@ -90,11 +90,12 @@ def _turn_to_mesh(rotation, v, out):
 
 
 @kernel
-def _cone_can_meet(frame, tangent, p, sphere):
-    """Whether any ray inside the cone can meet the bounding sphere."""
+def _cone_can_meet(v, tangent, p, sphere):
+    """Whether any ray inside the cone about v can meet the bounding sphere."""
     cx, cy, cz = sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
     radius = sphere[3]
-    along = frame[0, 0] * cx + frame[0, 1] * cy + frame[0, 2] * cz
+    speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    along = (v[0] * cx + v[1] * cy + v[2] * cz) / speed
     distance2 = cx * cx + cy * cy + cz * cz
     if distance2 <= radius * radius:
         return True
@@ -119,6 +120,12 @@ def _ray_can_meet(d, p, sphere):
         return False
     length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
     return distance2 - along * along / length2 <= radius2
+
+
+@kernel
+def _distance2(p, x, y, z):
+    """Return a squared distance, with room for the rounding of another way to compute it."""
+    return ((x - p[0]) ** 2 + (y - p[1]) ** 2 + (z - p[2]) ** 2) * (1.0 + 1e-12) + 1e-300
 
 
 @kernel
@@ -159,8 +166,17 @@ def measure(
     p, v, d = np.empty(3), np.empty(3), np.empty(3)
     frame = np.empty((3, 3))
     barycentre = np.empty(3)
+    points = futures.shape[1]
+    tangents = np.empty(points)
     for h in range(positions.shape[0]):
-        points = futures.shape[1]
+        for k in range(points):
+            speed = np.sqrt(
+                future_velocities[h, k, 0] ** 2
+                + future_velocities[h, k, 1] ** 2
+                + future_velocities[h, k, 2] ** 2
+            )
+            drawn = speed >= cone[LEAST] and speed > 0.0
+            tangents[k] = cone_tangent(speed, cone) if drawn else -1.0
         for axis in range(3):
             total = 0.0
             for k in range(points):
@@ -170,30 +186,31 @@ def measure(
             model = models[o]
             node0, triangle0 = starts[model, 0], starts[model, 1]
             sphere = spheres[model]
-            for query in range(2):
-                _to_mesh(
-                    rotations[o], translations[o], positions[h] if query == 0 else barycentre, p
-                )
-                vertex, surface, _, _, _ = nearest(
-                    boxes, links, triangles, node0, triangle0, p[0], p[1], p[2], True,
-                    stack, near_stack, counters,
-                )  # fmt: skip
-                distances[2 * query, h, o] = vertex
-                distances[2 * query + 1, h, o] = surface
+            _to_mesh(rotations[o], translations[o], positions[h], p)
+            vertex, surface, x, y, z, vx, vy, vz = nearest(
+                boxes, links, triangles, node0, triangle0, p[0], p[1], p[2], True,
+                np.inf, np.inf, stack, near_stack, counters,
+            )  # fmt: skip
+            distances[0, h, o], distances[1, h, o] = vertex, surface
+            # what is nearest to the hand bounds what is nearest to the point ahead of it
+            _to_mesh(rotations[o], translations[o], barycentre, p)
+            vertex, surface, x, y, z, vx, vy, vz = nearest(
+                boxes, links, triangles, node0, triangle0, p[0], p[1], p[2], True,
+                _distance2(p, vx, vy, vz), _distance2(p, x, y, z), stack, near_stack, counters,
+            )  # fmt: skip
+            distances[2, h, o], distances[3, h, o] = vertex, surface
             met = 0
             for k in range(points):
-                _turn_to_mesh(rotations[o], future_velocities[h, k], v)
-                speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-                if not speed >= cone[LEAST] or speed == 0.0:
+                if tangents[k] < 0.0:
                     continue
-                _to_mesh(rotations[o], translations[o], futures[h, k], p)
-                tangent = cone_tangent(speed, cone)
-                cone_frame(p, v, sphere, axes[model], frame)
                 counters[RAYS] += pattern.shape[0]
-                if not _cone_can_meet(frame, tangent, p, sphere):
+                _turn_to_mesh(rotations[o], future_velocities[h, k], v)
+                _to_mesh(rotations[o], translations[o], futures[h, k], p)
+                if not _cone_can_meet(v, tangents[k], p, sphere):
                     continue
+                cone_frame(p, v, sphere, axes[model], frame)
                 for ray in range(pattern.shape[0]):
-                    ray_direction(frame, tangent, pattern, ray, d)
+                    ray_direction(frame, tangents[k], pattern, ray, d)
                     if not _ray_can_meet(d, p, sphere):
                         continue
                     t = cast_ray(
@@ -281,9 +298,9 @@ def approach(
             speed += (coefficients[1, axis] + 2.0 * s * coefficients[2, axis]) ** 2
         speed = np.sqrt(speed)
         _to_mesh(rotation, translation, world, p)
-        _, surface, x, y, z = nearest(
+        _, surface, x, y, z, _, _, _ = nearest(
             boxes, links, triangles, start[0], start[1], p[0], p[1], p[2], False,
-            stack, near_stack, counters,
+            np.inf, np.inf, stack, near_stack, counters,
         )  # fmt: skip
         if surface <= reach + 1e-4:
             out[0], out[1], out[2], out[3] = s, x, y, z

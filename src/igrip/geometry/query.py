@@ -165,8 +165,9 @@ def _box_distance2(box, at, px, py, pz):
 
 @kernel
 def nearest(
-    boxes, links, triangles, node0, triangle0, px, py, pz, vertices, stack, near_stack, counters
-):
+    boxes, links, triangles, node0, triangle0, px, py, pz, vertices, vertex2, surface2,
+    stack, near_stack, counters,
+):  # fmt: skip
     """Find the nearest surface point and, if asked, the nearest vertex of one mesh.
 
     Parameters
@@ -177,6 +178,8 @@ def nearest(
         Query point in the frame of the mesh [m].
     vertices : bool
         Whether the nearest vertex is wanted as well.
+    vertex2, surface2 : float
+        Squares of distances that the results are known to be less than [m²]; infinity if unknown.
     stack, near_stack : (STACK,) int32 and float64
         Scratch memory.
     counters : (>= 2,) int64
@@ -184,13 +187,13 @@ def nearest(
 
     Returns
     -------
-    vertex, surface, x, y, z : float
-        Distance to the nearest vertex (infinity if not asked) and surface point, and that point
-        [m].
+    vertex, surface, x, y, z, vx, vy, vz : float
+        Distance to the nearest vertex (infinity if not asked) and surface point, that point, and
+        that vertex [m].
     """
-    surface2 = np.inf
-    vertex2 = np.inf
-    x = y = z = np.nan
+    if not vertices:
+        vertex2 = np.inf
+    x = y = z = vx = vy = vz = np.nan
     node = 0
     top = 0
     while True:
@@ -223,7 +226,14 @@ def nearest(
                         ux = triangle[corner] - px
                         uy = triangle[corner + 1] - py
                         uz = triangle[corner + 2] - pz
-                        vertex2 = min(vertex2, ux * ux + uy * uy + uz * uz)
+                        distance2 = ux * ux + uy * uy + uz * uz
+                        if distance2 < vertex2:
+                            vertex2 = distance2
+                            vx, vy, vz = (
+                                triangle[corner],
+                                triangle[corner + 1],
+                                triangle[corner + 2],
+                            )
                 if away >= surface2:
                     continue
                 qx, qy, qz = _closest_on_triangle(triangle, px, py, pz)
@@ -234,7 +244,7 @@ def nearest(
                     x, y, z = qx, qy, qz
         while next_node < 0:
             if top == 0:
-                return np.sqrt(vertex2), np.sqrt(surface2), x, y, z
+                return np.sqrt(vertex2), np.sqrt(surface2), x, y, z, vx, vy, vz
             top -= 1
             if near_stack[top] < (vertex2 if vertices else surface2):
                 next_node = stack[top]

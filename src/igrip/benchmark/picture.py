@@ -1,0 +1,42 @@
+"""The picture of a benchmark: medians beside the peers, and growth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from igrip.errors import MissingExtraError
+
+
+def draw(report: dict[str, Any], path: Path) -> None:
+    """Write the picture of a report; the ending of the path chooses PNG or SVG.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("matplotlib", "bench", "the picture of a benchmark") from error
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+    rows = dict(report["peers"]["best"])
+    if report["peers"]["plain_trimesh"]:
+        rows["trimesh without embree, rays alone"] = report["peers"]["plain_trimesh"]
+    names = list(rows)
+    left.barh(names, [rows[name]["p50_ms"] for name in names], color="#4878a8")
+    left.plot([rows[name]["p99_ms"] for name in names], names, "k|", markersize=12, label="p99")
+    left.set_xscale("log")
+    left.set_xlabel("ms a frame (bars: median)")
+    left.set_title("2 hands, 4 objects of 16 k faces")
+    left.invert_yaxis()
+    left.legend(frameon=False)
+    objects = report["growth"]["objects"]
+    right.plot([row["case"] for row in objects], [row["p50_ms"] for row in objects], "o-")
+    right.set_xlabel("objects")
+    right.set_ylabel("ms a frame (median)")
+    right.set_ylim(bottom=0.0)
+    right.set_title("growth with objects")
+    figure.savefig(path, dpi=150)
