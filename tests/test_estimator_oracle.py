@@ -68,15 +68,15 @@ def ycb_scene(rng):
 def test_real_objects_two_hands(ycb):
     messages = ycb_scene(np.random.default_rng(1))
     measured = [k for k, message in enumerate(messages) if "hands" in message]
-    wanted = set(measured[12::7])  # the oracle takes its time
-    assert compare(messages, ycb, PAPER, wanted.__contains__) >= 4
+    wanted = set(measured[12::4])  # the oracle takes its time
+    assert compare(messages, ycb, PAPER, wanted.__contains__) >= 8
 
 
 @pytest.mark.parametrize(("seed", "moving"), [(3, False), (4, True), (5, True)])
 def test_simple_objects(shapes, seed, moving):
     messages = scene_of_shapes(np.random.default_rng(seed), moving=moving)
-    wanted = set(range(seed, len(messages), 4))
-    assert compare(messages, shapes, (BOX, CAN), wanted.__contains__, ("vertex", "surface")) >= 5
+    wanted = set(range(seed, len(messages), 2))
+    assert compare(messages, shapes, (BOX, CAN), wanted.__contains__, ("vertex", "surface")) >= 10
 
 
 def test_one_object_is_compared_with_a_fixed_length(shapes):
@@ -90,7 +90,7 @@ def test_metrics_behind_the_scores(shapes):
     """Ray counts exactly, distances to 1e-9: the scores alone could hide a common factor."""
     messages = scene_of_shapes(np.random.default_rng(7), moving=True)
     mesh_of = {name: oracle_mesh(shapes[name]) for name in (BOX, CAN)}
-    expected = pipeline.run(messages, mesh_of, lambda index: index % 4 == 0)
+    expected = pipeline.run(messages, mesh_of, lambda index: index % 2 == 0)
     estimator = igrip.Estimator(shapes)
     compared = hits = 0
     for index, message in enumerate(messages):
@@ -115,5 +115,5 @@ def test_metrics_behind_the_scores(shapes):
                 assert geometry.axial[k] ** 2 == pytest.approx(metrics["axial"] ** 2, abs=1e-9)
                 hits += metrics["hits"]
             compared += 1
-    assert compared >= 5
+    assert compared >= 10
     assert hits > 100

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 
 import pytest
 from hypothesis import given
@@ -220,3 +221,45 @@ def test_newest_never_runs_ahead_and_only_a_restart_goes_back(rows):
             if verdict.action == "accept" and not math.isnan(before):
                 assert g.newest > before
         assert g.counts["restarts"] <= len(rows)
+
+
+def disturb(rng, g, now):
+    """Feed clocks that step, jumps, pauses and absurd places; return the time afterwards."""
+    offset = x = 0.0
+    for _ in range(100):
+        now += rng.choice((0.033, 0.033, 0.033, 0.0, 0.1, 0.5))
+        if rng.random() < 0.05:
+            offset = rng.choice((0.0, -0.2, -0.5, -5.0, -100.0, 0.03, 0.2, 3.0))
+        if rng.random() < 0.05:
+            x += rng.choice((0.2, 0.5, 1.0, 5.0, 200.0, -0.4, -1.0, -200.0))
+        t = max(0.0, now + offset - rng.uniform(0.0, 0.04))
+        verdict = g.judge(now, t, (x + rng.gauss(0.0, 0.003), 0.0, 0.0))
+        if verdict.action in ("accept", "restart"):
+            assert g.newest <= now + 0.05 + 1e-9
+            assert abs(x) < 101.0
+    return now
+
+
+def test_whatever_came_before_a_healthy_stream_is_believed_within_a_second():
+    for seed in range(300):
+        rng = random.Random(seed)
+        g = gate(limit=rng.choice((0.3, 2.0)))
+        now = disturb(rng, g, 200.0)
+        for k in range(45):
+            now += 1 / 30
+            verdict = g.judge(now, now - 0.02, moved(0.001 * k))
+            assert verdict.action in ("accept", "restart") or k < 32
+        assert not g.is_late(now)
+
+
+@pytest.mark.parametrize(("back", "then"), [(1.0, 0.5), (100.0, 7.0)])
+def test_a_clock_that_steps_back_and_partly_forward_again_heals_too(back, then):
+    g = gate()
+    steady(g, 200.0, 201.0)
+    actions = []
+    for k in range(120):
+        now = 201.0 + k / 30
+        actions.append(g.judge(now, now - (back if k < 60 else then), moved(0.03)).action)
+    assert actions[59] == "accept"  # the first step has healed
+    assert actions[-1] == "accept"
+    assert not g.is_late(now)

@@ -18,8 +18,14 @@ from typing import Any
 import numba
 from platformdirs import user_cache_path
 
-KERNEL_SOURCES = ("compiled.py", "motion/quadratic.py", "geometry/bvh.py", "geometry/query.py",
-                  "geometry/kernel.py")  # fmt: skip
+KERNEL_SOURCES = (
+    "compiled.py",
+    "motion/low_pass.py",
+    "motion/quadratic.py",
+    "geometry/bvh.py",
+    "geometry/query.py",
+    "geometry/kernel.py",
+)
 
 
 @cache

@@ -106,11 +106,11 @@ class Gate:
             return Verdict(
                 "refuse", f"is more than {config.range_limit:g} m away: is its unit the metre?"
             )
-        if self.offset and now - self._limit <= t <= now + config.future_tolerance:
-            self.offset = 0.0  # the entity's clock is right again
-            return self._take(t, position, "restart")
+        latest = now + config.future_tolerance
+        if self.offset and t + self.offset > latest >= t:  # its clock stepped forward again
+            return self._follow(now, t, position)
         own, t = t, t + self.offset
-        if t > now + config.future_tolerance:
+        if t > latest:
             self.counts["future"] += 1
             return Verdict("refuse", f"measured {t - now:.3g} s in the future of its arrival")
         if self._position is None:
@@ -120,8 +120,7 @@ class Gate:
             self.counts["older"] += 1
             if not self._is_new_stream(now, own):
                 return Verdict("ignore", "not newer than the newest")
-            self.offset = 0.0 if now - own <= self._limit else now - own
-            return self._take(own + self.offset, position, "restart")
+            return self._follow(now, own, position)
         step = math.dist(position, self._position)
         # while a jump is doubted the bound must not grow until it is believed by patience alone
         since = min(dt, self._first_jump - self.newest)
@@ -145,6 +144,11 @@ class Gate:
         if not for_how_long >= self._config.frozen_after:  # NaN before the first measurement
             return None
         return f"frozen: the same position to the last bit for {for_how_long:.2f} s"
+
+    def _follow(self, now: float, own: float, position: Vector) -> Verdict:
+        """Start anew on the entity's clock as it is now; without an offset where it is in time."""
+        self.offset = 0.0 if now - own <= self._limit else now - own
+        return self._take(own + self.offset, position, "restart")
 
     def _is_new_stream(self, now: float, own: float) -> bool:
         """Whether measurements have been doubted for so long that they are a stream of their own.

@@ -105,12 +105,8 @@ class World:
         usable = [track for track in self.objects.values() if track.reason is None]
         for track in usable:
             if track.id not in self._placed and track.model is not None:
-                rotation, translation = track.rotation, track.position
-                offset = rotation @ track.model.centre
-                centre, velocity = translation + offset, track.centre_velocity(offset)
-                self._placed[track.id] = Placed(
-                    track.id, track.model, rotation, translation, centre, velocity
-                )
+                pose = track.place(track.model.centre)
+                self._placed[track.id] = Placed(track.id, track.model, pose[:3], *pose[3:])
         return [self._placed[track.id] for track in usable]
 
     def trouble(self) -> str | None:

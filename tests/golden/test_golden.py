@@ -209,11 +209,11 @@ def test_scene():
 
 
 def test_border_heights_of_the_papers_objects(ycb):
-    # igrip takes trimesh's oriented box, which is smallest to about 0.1 degrees only; the oracle's
-    # stands on every face of the hull. Half a millimetre of border is what that may cost.
+    # Two boxes of a round can are equally small to 3e-6: which of them is found may move the border
+    # by 0.1 mm. The others agree to rounding.
     for name, expected in golden("borders").items():
         border = 0.85 * 0.5 * ycb[name].length
-        assert border == pytest.approx(expected["border"], abs=5e-4), name
+        assert border == pytest.approx(expected["border"], abs=1.5e-4), name
 
 
 def test_trials():

@@ -48,12 +48,12 @@ def test_frame_of_the_papers_objects(ycb, name):
 
 @pytest.mark.parametrize("name", PAPER)
 def test_frame_is_that_of_the_smallest_box(ycb, name):
-    """The oracle stands a box on every face of the hull; another one may be as good within 1 %."""
+    """The oracle stands a box on every face of the hull; of a round can, several are as small."""
     model = ycb[name]
     axes, extents = smallest_box(model.vertices)
     longest = int(np.argmax(extents))
-    assert angle(model.axis, axes[longest]) < 0.8
-    assert model.length == pytest.approx(extents[longest], rel=5e-3)
+    assert angle(model.axis, axes[longest]) < 0.3
+    assert model.length == pytest.approx(extents[longest], rel=3e-3)
 
 
 @pytest.mark.parametrize("name", PAPER)

@@ -12,8 +12,8 @@ class Mesh:
     """Triangles in the frame of their file, with what SPEC §6 derives from them.
 
     Attributes: ``corners`` (f, 3, 3), ``points`` (v, 3) the vertices that faces use, ``middle`` of
-    the axis-aligned box, ``centre`` of gravity, ``axis`` and ``length`` of the cylinder, ``mid``
-    the position of its mid-length along the axis.
+    the axis-aligned box and ``radius`` of a ball round it, ``centre`` of gravity, ``axis`` and
+    ``length`` of the cylinder, ``mid`` the position of its mid-length along the axis.
     """
 
     def __init__(self, vertices, faces, axis=None):
@@ -22,6 +22,7 @@ class Mesh:
         self.corners = vertices[faces]
         self.points = vertices[np.unique(faces)]
         self.middle = 0.5 * (self.points.min(axis=0) + self.points.max(axis=0))
+        self.radius = float(np.linalg.norm(self.points - self.middle, axis=1).max())
         self.centre = centre_of_gravity(vertices, faces)
         if axis is None:
             axes, extents = smallest_box(self.points)
@@ -136,6 +137,18 @@ def ray_margins(corners, origin, directions):
         inside = np.minimum(np.minimum(u, v), 1.0 - u - v)
     inside[~(t >= 0.0) | (det == 0.0) | np.isnan(inside)] = -np.inf
     return inside.max(axis=1)
+
+
+def cone_margins(mesh, apex, rays):
+    """Return the margins of the rays of one cone; those that pass by the whole mesh get -inf."""
+    towards = mesh.middle - apex
+    along = np.maximum(rays @ towards, 0.0) / np.einsum("ij,ij->i", rays, rays)
+    gap = np.linalg.norm(towards - along[:, None] * rays, axis=1)
+    near = gap < 1.001 * mesh.radius + 1e-6
+    margins = np.full(len(rays), -np.inf)
+    if near.any():
+        margins[near] = ray_margins(mesh.corners, apex, rays[near])
+    return margins
 
 
 def ray_lengths(corners, origin, directions):

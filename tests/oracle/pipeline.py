@@ -48,7 +48,7 @@ def measure(position, coefficients, pose, rays=cones.RAYS):
             continue
         apex, turned = pose.to_mesh(point), velocity @ pose.rotation
         rays_of_cone = cones.directions(apex, turned, pose.mesh.middle, (z, x), rays)
-        margins = meshes.ray_margins(pose.mesh.corners, apex, rays_of_cone)
+        margins = meshes.cone_margins(pose.mesh, apex, rays_of_cone)
         hits += int((margins >= 0.0).sum())
         clearest = min(clearest, float(np.abs(margins).min()))
     away = position - pose.centre

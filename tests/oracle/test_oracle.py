@@ -102,6 +102,15 @@ def test_rays_and_a_cube():
     assert lengths.tolist() == pytest.approx([2.0, np.inf, 2.0, np.inf, 1.0])
 
 
+def test_rays_that_pass_by_the_whole_mesh_are_misses():
+    mesh = meshes.Mesh(CUBE.vertices, CUBE.faces)
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        apex, rays = rng.normal(0.0, 3.0, 3), rng.normal(size=(40, 3))
+        every = meshes.ray_margins(mesh.corners, apex, rays)
+        assert ((meshes.cone_margins(mesh, apex, rays) >= 0.0) == (every >= 0.0)).all()
+
+
 def test_frame_and_centre_of_a_turned_box():
     turn = Rotation.from_rotvec([0.4, -0.2, 0.9])
     box = trimesh.creation.box((0.1, 0.2, 0.5))

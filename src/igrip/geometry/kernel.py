@@ -130,8 +130,9 @@ def _distance2(p, x, y, z):
 
 @kernel
 def measure(
-    boxes, links, triangles, starts, spheres, axes, models, rotations, translations,
-    positions, futures, future_velocities, pattern, cone, hits, distances, counters,
+    boxes, links, triangles, starts, spheres, axes, origins, models, rotations, translations,
+    centres, centre_velocities, positions, velocities, futures, future_velocities, pattern, cone,
+    hits, distances, centre_rates, axial, counters,
 ):  # fmt: skip
     """Measure every hand against every object.
 
@@ -141,13 +142,15 @@ def measure(
         Trees of all meshes, one after the other (:class:`igrip.geometry.bvh.Bvh`).
     starts : (m, 2) int64
         First node and first triangle of each mesh.
-    spheres : (m, 4), axes : (m, 3, 3)
-        Bounding sphere and object axes of each mesh, in its frame.
+    spheres : (m, 4), axes : (m, 3, 3), origins : (m, 3)
+        Bounding sphere, object axes and origin of the object frame of each mesh, in its frame.
     models : (o,) int64
         Which mesh each object has.
     rotations : (o, 3, 3), translations : (o, 3)
         World-from-mesh pose of each object.
-    positions : (h, 3), futures, future_velocities : (h, f, 3)
+    centres, centre_velocities : (o, 3)
+        Centre of gravity of each object and its velocity, world frame [m, m/s].
+    positions, velocities : (h, 3), futures, future_velocities : (h, f, 3)
         Hands, their predicted points and velocities, world frame [m, m/s].
     pattern : (r, 2)
         Rays of a cone on the unit disc; the first is the axis.
@@ -155,9 +158,13 @@ def measure(
         Slow speed, its half-angle, fast speed, its half-angle, least speed for a cone.
     hits : (h, o) int64, written
         Number of rays that meet the mesh; objects do not hide one another.
-    distances : (4, h, o), written
+    distances : (5, h, o), written
         To the nearest vertex and surface point from the hand, then both from the barycentre of its
-        predicted points [m].
+        predicted points, then from the hand to the centre of gravity [m].
+    centre_rates : (h, o), written
+        Time derivative of that last distance [m/s].
+    axial : (h, o), written
+        z of the hand in the object frame [m].
     counters : (3,) int64, added to
         Tree nodes visited by rays and by nearest-point queries, and rays cast.
     """
@@ -192,6 +199,17 @@ def measure(
                 np.inf, np.inf, stack, near_stack, counters,
             )  # fmt: skip
             distances[0, h, o], distances[1, h, o] = vertex, surface
+            along = 0.0
+            away2 = 0.0
+            rate = 0.0
+            for axis in range(3):
+                along += (p[axis] - origins[model, axis]) * axes[model, axis, 2]
+                away = positions[h, axis] - centres[o, axis]
+                away2 += away * away
+                rate += away * (velocities[h, axis] - centre_velocities[o, axis])
+            axial[h, o] = along
+            distances[4, h, o] = np.sqrt(away2)
+            centre_rates[h, o] = rate / max(distances[4, h, o], 1e-9)
             # what is nearest to the hand bounds what is nearest to the point ahead of it
             _to_mesh(rotations[o], translations[o], barycentre, p)
             vertex, surface, x, y, z, vx, vy, vz = nearest(
@@ -313,3 +331,17 @@ def approach(
         s += 2.0 * left / root
         if not s <= limit:
             return
+
+
+@kernel
+def spread(centres):
+    """Return the largest distance between two points; NaN for fewer than two."""
+    largest2 = np.nan
+    for a in range(centres.shape[0]):
+        for b in range(a):
+            distance2 = 0.0
+            for axis in range(3):
+                distance2 += (centres[a, axis] - centres[b, axis]) ** 2
+            if not distance2 <= largest2:
+                largest2 = distance2
+    return np.sqrt(largest2)

@@ -127,6 +127,8 @@ class Packed(NamedTuple):
     starts: NDArray[np.int64]
     spheres: Array
     axes: Array
+    origins: Array
+    half_lengths: Array
 
 
 def _pack(models: dict[str, ObjectModel]) -> Packed:
@@ -142,6 +144,8 @@ def _pack(models: dict[str, ObjectModel]) -> Packed:
         starts=np.stack([nodes, triangles], axis=1).astype(np.int64),
         spheres=np.array([model.sphere for model in models.values()]).reshape(-1, 4),
         axes=np.array(frames).reshape(-1, 3, 3),
+        origins=np.array([model.origin for model in models.values()]).reshape(-1, 3),
+        half_lengths=np.array([0.5 * model.length for model in models.values()]),
     )
 
 
@@ -184,48 +188,39 @@ class Scene:
         count = len(objects)
         if not hands or not count:
             return [_nothing() for _ in hands]
-        rotations = np.array([o.rotation for o in objects])
-        translations = np.array([o.translation for o in objects])
         packed = self._pack_with(objects)
         models = np.array([packed.number[o.model.name] for o in objects], dtype=np.int64)
-        positions = np.array([hand.position for hand in hands])
-        hits = np.zeros((len(hands), count), dtype=np.int64)
-        distances = np.empty((4, len(hands), count))
-        kernel.measure(
-            *packed.bvh, packed.starts, packed.spheres, packed.axes, models, rotations,
-            translations, positions, np.array([hand.future for hand in hands]),
-            np.array([hand.future_velocity for hand in hands]),
-            self._pattern, self._cone, hits, distances, self.counters,
-        )  # fmt: skip
         centres = np.array([o.centre for o in objects])
-        velocities = np.array([o.velocity for o in objects])
-        local_axes = np.array([o.model.mesh_from_object[:3, 2:] for o in objects])
-        origins = np.array([o.model.mesh_from_object[:3, 3:] for o in objects])
-        axes = (rotations @ local_axes)[:, :, 0]
-        origins = (rotations @ origins)[:, :, 0] + translations
-        half_lengths = np.array([0.5 * o.model.length for o in objects])
-        spread = _spread(centres)
-        measured = []
-        for h, hand in enumerate(hands):
-            away = hand.position - centres
-            centre = np.sqrt(np.einsum("ij,ij->i", away, away))
-            rate = np.einsum("ij,ij->i", away, hand.velocity - velocities)
-            measured.append(
-                Geometry(
-                    objects=objects,
-                    hits=hits[h],
-                    vertex=distances[0, h],
-                    surface=distances[1, h],
-                    future_vertex=distances[2, h],
-                    future_surface=distances[3, h],
-                    centre=centre,
-                    centre_rate=rate / np.maximum(centre, 1e-9),
-                    axial=np.einsum("ij,ij->i", hand.position - origins, axes),
-                    half_length=half_lengths,
-                    spread=spread,
-                )
+        hits = np.zeros((len(hands), count), dtype=np.int64)
+        distances = np.empty((5, len(hands), count))
+        centre_rates, axial = np.empty((len(hands), count)), np.empty((len(hands), count))
+        kernel.measure(
+            *packed.bvh, packed.starts, packed.spheres, packed.axes, packed.origins, models,
+            np.array([o.rotation for o in objects]), np.array([o.translation for o in objects]),
+            centres, np.array([o.velocity for o in objects]),
+            np.array([hand.position for hand in hands]),
+            np.array([hand.velocity for hand in hands]),
+            np.array([hand.future for hand in hands]),
+            np.array([hand.future_velocity for hand in hands]),
+            self._pattern, self._cone, hits, distances, centre_rates, axial, self.counters,
+        )  # fmt: skip
+        half_lengths, spread = packed.half_lengths[models], kernel.spread(centres)
+        return [
+            Geometry(
+                objects=objects,
+                hits=hits[h],
+                vertex=distances[0, h],
+                surface=distances[1, h],
+                future_vertex=distances[2, h],
+                future_surface=distances[3, h],
+                centre=distances[4, h],
+                centre_rate=centre_rates[h],
+                axial=axial[h],
+                half_length=half_lengths,
+                spread=spread,
             )
-        return measured
+            for h in range(len(hands))
+        ]
 
     def contact(self, hand: Motion, target: Placed) -> tuple[float, Vector] | None:
         """Predict when the hand is within grasping distance of an object, and where it touches.
@@ -276,13 +271,6 @@ def ray_pattern(rays: int) -> Array:
     radius = np.sqrt(k / max(1, rays - 1))
     angle = GOLDEN_ANGLE * np.maximum(0, k - 1)  # the first ray off the axis leans along u
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-
-
-def _spread(centres: Array) -> float:
-    if len(centres) < 2:
-        return math.nan
-    difference = centres[:, None, :] - centres[None, :, :]
-    return float(np.sqrt(np.einsum("ijk,ijk->ij", difference, difference).max()))
 
 
 def _nothing() -> Geometry:

@@ -10,9 +10,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from igrip.entities import Quaternion, Vector
-from igrip.motion import rotation
+from igrip.motion import low_pass
+from igrip.motion.low_pass import smoothing
 from igrip.settings import Settings, quantity
+
+__all__ = ["OneEuroConfig", "OrientationFilter", "PositionFilter", "smoothing"]
 
 
 class OneEuroConfig(Settings):
@@ -25,101 +31,81 @@ class OneEuroConfig(Settings):
     )
 
 
-def smoothing(cutoff: float, dt: float) -> float:
-    """Return the weight of a new sample in a first-order low-pass (Casiez et al. 2012, eq. 5)."""
-    tau = 1.0 / (2.0 * math.pi * cutoff)
-    return 1.0 / (1.0 + tau / dt)
-
-
-def _blend(old: Vector, new: Vector, weight: float) -> Vector:
-    return (
-        old[0] + weight * (new[0] - old[0]),
-        old[1] + weight * (new[1] - old[1]),
-        old[2] + weight * (new[2] - old[2]),
-    )
-
-
-class PositionFilter:
-    """One-Euro filter of a point.
+class _Filter:
+    """What the filters of points and rotations share: parameters and state.
 
     Attributes
     ----------
-    value : 3 floats or None
-        Filtered position [m]; None before the first sample.
-    derivative : 3 floats
-        What drives the cutoff: the low-passed step from the filtered point to the new sample, over
-        time [m/s]. It holds the lag of the filter, so it is no velocity.
-    velocity : 3 floats
-        Low-passed velocity of the filtered point [m/s].
+    state : (11,) float64
+        As :mod:`igrip.motion.low_pass` lays it out.
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
-        self._config = config
-        self._t = 0.0
-        self.value: Vector | None = None
-        self.derivative: Vector = (0.0, 0.0, 0.0)
-        self.velocity: Vector = (0.0, 0.0, 0.0)
+        self._parameters = np.array([config.min_cutoff, config.beta, config.derivative_cutoff])
+        self.state: NDArray[np.float64] = np.zeros(low_pass.STATE)
+        self._begun = False
+
+    def _begin(self, t: float, value: tuple[float, ...]) -> None:
+        self.state[: len(value)] = value
+        self.state[low_pass.TIME] = t
+        self._begun = True
+
+    @property
+    def derivative(self) -> Vector:
+        """What drives the cutoff: the low-passed step from the old value to the sample, over time.
+
+        It holds the lag of the filter, so it is no velocity [m/s or rad/s].
+        """
+        x, y, z = self.state[low_pass.DERIVATIVE : low_pass.DERIVATIVE + 3].tolist()
+        return (x, y, z)
+
+    @property
+    def velocity(self) -> Vector:
+        """Low-passed velocity of the filtered value, world frame [m/s or rad/s]."""
+        x, y, z = self.state[low_pass.VELOCITY : low_pass.VELOCITY + 3].tolist()
+        return (x, y, z)
+
+
+class PositionFilter(_Filter):
+    """One-Euro filter of a point."""
+
+    @property
+    def value(self) -> Vector | None:
+        """Filtered position [m]; None before the first sample."""
+        if not self._begun:
+            return None
+        x, y, z = self.state[:3].tolist()
+        return (x, y, z)
 
     def update(self, t: float, position: Vector) -> Vector:
         """Take a sample measured at ``t`` [s], later than the last; return the filtered point."""
-        if self.value is None:
-            self._t, self.value = t, position
+        if not self._begun:
+            self._begin(t, position)
             return position
-        dt = t - self._t
-        old = self.value
-        raw = (
-            (position[0] - old[0]) / dt,
-            (position[1] - old[1]) / dt,
-            (position[2] - old[2]) / dt,
-        )
-        weight = smoothing(self._config.derivative_cutoff, dt)
-        self.derivative = _blend(self.derivative, raw, weight)
-        cutoff = self._config.min_cutoff + self._config.beta * math.hypot(*self.derivative)
-        part = smoothing(cutoff, dt)
-        self.value = _blend(old, position, part)
-        moved = (part * raw[0], part * raw[1], part * raw[2])
-        self.velocity = _blend(self.velocity, moved, weight)
-        self._t = t
-        return self.value
+        low_pass.step_position(self.state, t, *position, self._parameters)
+        x, y, z = self.state[:3].tolist()
+        return (x, y, z)
 
 
-class OrientationFilter:
-    """One-Euro filter on SO(3): angular speed in place of speed, slerp in place of blending.
+class OrientationFilter(_Filter):
+    """One-Euro filter on SO(3): angular speed in place of speed, slerp in place of blending."""
 
-    Attributes
-    ----------
-    value : 4 floats or None
-        Filtered rotation, unit quaternion x, y, z, w; None before the first sample.
-    derivative : 3 floats
-        What drives the cutoff, see :class:`PositionFilter`; world frame [rad/s].
-    velocity : 3 floats
-        Low-passed angular velocity of the filtered rotation, world frame [rad/s].
-    """
-
-    def __init__(self, config: OneEuroConfig) -> None:
-        self._config = config
-        self._t = 0.0
-        self.value: Quaternion | None = None
-        self.derivative: Vector = (0.0, 0.0, 0.0)
-        self.velocity: Vector = (0.0, 0.0, 0.0)
+    @property
+    def value(self) -> Quaternion | None:
+        """Filtered rotation, unit quaternion x, y, z, w; None before the first sample."""
+        if not self._begun:
+            return None
+        x, y, z, w = self.state[:4].tolist()
+        return (x, y, z, w)
 
     def update(self, t: float, orientation: Quaternion) -> Quaternion:
         """Take a sample measured at ``t`` [s], later than the last; return it filtered."""
-        if self.value is None:
-            self._t, self.value = t, rotation.normalise(orientation)
-            return self.value
-        dt = t - self._t
-        step = rotation.logarithm(
-            rotation.multiply(rotation.normalise(orientation), rotation.conjugate(self.value))
-        )
-        raw = (step[0] / dt, step[1] / dt, step[2] / dt)
-        weight = smoothing(self._config.derivative_cutoff, dt)
-        self.derivative = _blend(self.derivative, raw, weight)
-        cutoff = self._config.min_cutoff + self._config.beta * math.hypot(*self.derivative)
-        part = smoothing(cutoff, dt)
-        turn = rotation.exponential((part * step[0], part * step[1], part * step[2]))
-        self.value = rotation.normalise(rotation.multiply(turn, self.value))
-        moved = (part * raw[0], part * raw[1], part * raw[2])
-        self.velocity = _blend(self.velocity, moved, weight)
-        self._t = t
-        return self.value
+        norm = math.hypot(*orientation)
+        x, y, z, w = orientation
+        x, y, z, w = x / norm, y / norm, z / norm, w / norm
+        if not self._begun:
+            self._begin(t, (x, y, z, w))
+            return (x, y, z, w)
+        low_pass.step_orientation(self.state, t, x, y, z, w, self._parameters)
+        x, y, z, w = self.state[:4].tolist()
+        return (x, y, z, w)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from igrip.entities import ObjectPose
 from igrip.errors import ObjectsError, UnknownModelError
 from igrip.health import Gate, HealthConfig
-from igrip.motion import rotation
+from igrip.motion import low_pass
 from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
@@ -110,29 +110,21 @@ class ObjectTrack:
         aged = now - max(self.gate.newest, self._static_until)
         self._late = not self._static and not aged <= self._limit
 
-    @property
-    def rotation(self) -> Array:
-        """World-from-mesh rotation, shape (3, 3)."""
-        return np.array(rotation.matrix(self._orientation.value or rotation.IDENTITY))
-
-    @property
-    def position(self) -> Array:
-        """Origin of the mesh in the world, shape (3,) [m]."""
-        return np.array(self._position.value)
-
-    def centre_velocity(self, centre: Array) -> Array:
-        """Velocity of a point of the object, world frame; zero for a resting object [m/s].
+    def place(self, point: Array) -> Array:
+        """Return the filtered pose, and where a point of the object is and moves to.
 
         Parameters
         ----------
-        centre : (3,)
-            The point, relative to the origin of the mesh, turned into the world frame [m].
+        point : (3,)
+            In the frame of the mesh [m].
+
+        Returns
+        -------
+        (6, 3)
+            World-from-mesh rotation by rows, translation [m], the point in the world [m], and its
+            velocity [m/s], zero for a resting object.
         """
-        v, w = self._position.velocity, self._orientation.velocity
-        x, y, z = centre
-        velocity = np.array(
-            [v[0] + w[1] * z - w[2] * y, v[1] + w[2] * x - w[0] * z, v[2] + w[0] * y - w[1] * x]
-        )
-        if self._static or float(velocity @ velocity) < self._config.still_speed**2:
-            return np.zeros(3)
-        return velocity
+        out = np.empty((6, 3))
+        still = math.inf if self._static else self._config.still_speed
+        low_pass.place(self._position.state, self._orientation.state, point, still, out)
+        return out

@@ -50,12 +50,13 @@ class WeightedCues:
 
     def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
         """Return the object with the highest ``c_glob = Σ w c / Σ w``."""
-        weights = self._weights(motion.speed, motion.window_peak_speed)
-        total = np.zeros(len(geometry.objects))
-        for metric in self._cues:
-            total += weights[metric.order] * cues[metric.name]
-        total /= sum(weights[metric.order] for metric in self._cues)
-        return Belief(best_of(total), total)
+        by_order = self._weights(motion.speed, motion.window_peak_speed)
+        weights = [by_order[metric.order] for metric in self._cues]
+        total = sum(weights)
+        scores = np.zeros(len(geometry.objects))
+        for metric, weight in zip(self._cues, weights, strict=True):
+            scores += (weight / total) * cues[metric.name]
+        return Belief(best_of(scores), scores)
 
 
 class SingleCue:

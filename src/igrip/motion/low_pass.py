@@ -1,0 +1,118 @@
+"""One step of the One-Euro filters, compiled: a scene has many objects, and each takes two steps.
+
+The state of a filter is an array of 11 numbers: value (4, the last unused for a point), derivative
+(3), velocity (3), and the time of the last sample. See :mod:`igrip.motion.filters` for the filter.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from igrip.compiled import kernel
+
+VALUE, DERIVATIVE, VELOCITY, TIME, STATE = 0, 4, 7, 10, 11
+# parameters
+MIN_CUTOFF, BETA, DERIVATIVE_CUTOFF = 0, 1, 2
+
+
+@kernel
+def smoothing(cutoff, dt):
+    """Return the weight of a new sample in a first-order low-pass (Casiez et al. 2012, eq. 5)."""
+    tau = 1.0 / (2.0 * math.pi * cutoff)
+    return 1.0 / (1.0 + tau / dt)
+
+
+@kernel
+def _part(state, t, x, y, z, parameters):
+    """Take the step from the filtered value to the new sample; return how much of it to go."""
+    dt = t - state[TIME]
+    state[TIME] = t
+    weight = smoothing(parameters[DERIVATIVE_CUTOFF], dt)
+    x, y, z = x / dt, y / dt, z / dt
+    state[DERIVATIVE] += weight * (x - state[DERIVATIVE])
+    state[DERIVATIVE + 1] += weight * (y - state[DERIVATIVE + 1])
+    state[DERIVATIVE + 2] += weight * (z - state[DERIVATIVE + 2])
+    speed = math.sqrt(
+        state[DERIVATIVE] ** 2 + state[DERIVATIVE + 1] ** 2 + state[DERIVATIVE + 2] ** 2
+    )
+    part = smoothing(parameters[MIN_CUTOFF] + parameters[BETA] * speed, dt)
+    state[VELOCITY] += weight * (part * x - state[VELOCITY])
+    state[VELOCITY + 1] += weight * (part * y - state[VELOCITY + 1])
+    state[VELOCITY + 2] += weight * (part * z - state[VELOCITY + 2])
+    return part
+
+
+@kernel
+def step_position(state, t, x, y, z, parameters):
+    """Filter a point [m] measured at ``t`` [s]; the result is the state's value."""
+    x, y, z = x - state[VALUE], y - state[VALUE + 1], z - state[VALUE + 2]
+    part = _part(state, t, x, y, z, parameters)
+    state[VALUE] += part * x
+    state[VALUE + 1] += part * y
+    state[VALUE + 2] += part * z
+
+
+@kernel
+def step_orientation(state, t, x, y, z, w, parameters):
+    """Filter a unit quaternion measured at ``t`` [s]; the result is the state's value."""
+    # the turn from the filtered rotation to the new one, in the world: new · old⁻¹
+    ox, oy, oz, ow = state[VALUE], state[VALUE + 1], state[VALUE + 2], state[VALUE + 3]
+    tx = -w * ox + x * ow - y * oz + z * oy
+    ty = -w * oy + x * oz + y * ow - z * ox
+    tz = -w * oz - x * oy + y * ox + z * ow
+    tw = w * ow + x * ox + y * oy + z * oz
+    if tw < 0.0:  # the shorter way round
+        tx, ty, tz, tw = -tx, -ty, -tz, -tw
+    sine = math.sqrt(tx * tx + ty * ty + tz * tz)
+    scale = 2.0 if sine < 1e-9 else 2.0 * math.atan2(sine, tw) / sine
+    tx, ty, tz = scale * tx, scale * ty, scale * tz
+    part = _part(state, t, tx, ty, tz, parameters)
+    # part of that turn, then the old rotation
+    tx, ty, tz = part * tx, part * ty, part * tz
+    angle = math.sqrt(tx * tx + ty * ty + tz * tz)
+    half = 0.5 - angle * angle / 48.0 if angle < 1e-4 else math.sin(0.5 * angle) / angle
+    tx, ty, tz, tw = half * tx, half * ty, half * tz, math.cos(0.5 * angle)
+    nx = tw * ox + tx * ow + ty * oz - tz * oy
+    ny = tw * oy - tx * oz + ty * ow + tz * ox
+    nz = tw * oz + tx * oy - ty * ox + tz * ow
+    nw = tw * ow - tx * ox - ty * oy - tz * oz
+    norm = math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
+    state[VALUE], state[VALUE + 1] = nx / norm, ny / norm
+    state[VALUE + 2], state[VALUE + 3] = nz / norm, nw / norm
+
+
+@kernel
+def place(position, orientation, local, still, out):
+    """Write a filtered pose as matrices, with a point of the object and its velocity.
+
+    Parameters
+    ----------
+    position, orientation : (STATE,)
+        States of the two filters.
+    local : (3,)
+        A point of the object, in its own frame [m].
+    still : float
+        Below this speed the object rests [m/s].
+    out : (6, 3), written
+        Rotation by rows, translation, the point in the world [m], its velocity [m/s].
+    """
+    x, y, z, w = orientation[0], orientation[1], orientation[2], orientation[3]
+    out[0, 0], out[0, 1] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z)
+    out[0, 2], out[1, 0] = 2.0 * (x * z + w * y), 2.0 * (x * y + w * z)
+    out[1, 1], out[1, 2] = 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    out[2, 0], out[2, 1] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x)
+    out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    lever = np.empty(3)
+    for axis in range(3):
+        lever[axis] = out[axis, 0] * local[0] + out[axis, 1] * local[1] + out[axis, 2] * local[2]
+        out[3, axis] = position[axis]
+        out[4, axis] = position[axis] + lever[axis]
+    v = position[VELOCITY : VELOCITY + 3]
+    a, b, c = orientation[VELOCITY], orientation[VELOCITY + 1], orientation[VELOCITY + 2]
+    out[5, 0] = v[0] + b * lever[2] - c * lever[1]
+    out[5, 1] = v[1] + c * lever[0] - a * lever[2]
+    out[5, 2] = v[2] + a * lever[1] - b * lever[0]
+    if out[5, 0] ** 2 + out[5, 1] ** 2 + out[5, 2] ** 2 < still * still:
+        out[5] = 0.0
