@@ -99,15 +99,18 @@ def test_culling_by_the_sphere_never_loses_a_ray(seed):
         frame = frame_of(p, v, sphere[:3])
         tangent = kernel.cone_tangent(float(np.linalg.norm(v)), CONE)
         cone_passes = kernel._cone_can_meet(v, tangent, p, sphere)
+        parts = frame @ (sphere[:3] - p)
+        gap2 = ((sphere[:3] - p) ** 2).sum() - sphere[3] ** 2
         for k in range(36):
             kernel.ray_direction(frame, tangent, pattern, k, d)
+            ray_passes = kernel._ray_can_meet(*parts, gap2, *(tangent * pattern[k]))
             along = max(0.0, d @ (sphere[:3] - p)) / (d @ d)
             gap = np.linalg.norm(p + along * d - sphere[:3]) - sphere[3]
             if gap < -1e-9:
                 assert cone_passes
-                assert kernel._ray_can_meet(d, p, sphere)
+                assert ray_passes
             if gap > 1e-9:
-                assert not kernel._ray_can_meet(d, p, sphere)
+                assert not ray_passes
 
 
 # contact -----------------------------------------------------------------------------------------

@@ -20,4 +20,8 @@ def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -
         return np.zeros(len(geometry.centre_rate))
     scores = -geometry.centre_rate / motion.speed
     # straight at the centre of a resting object, rounding may leave [-1, 1] by some digits
-    return np.where(np.abs(scores) < 1.0 + 1e-9, np.clip(scores, -1.0, 1.0), scores)
+    beyond = np.abs(scores) > 1.0
+    if beyond.any():
+        rounded = beyond & (np.abs(scores) < 1.0 + 1e-9)
+        scores[rounded] = np.sign(scores[rounded])
+    return scores

@@ -109,17 +109,16 @@ def _cone_can_meet(v, tangent, p, sphere):
 
 
 @kernel
-def _ray_can_meet(d, p, sphere):
-    cx, cy, cz = sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
-    distance2 = cx * cx + cy * cy + cz * cz
-    radius2 = sphere[3] * sphere[3]
-    if distance2 <= radius2:
+def _ray_can_meet(ahead, aside, across, gap2, a, b):
+    """Whether the ray ``axis + a u + b v`` can meet a sphere, before it is even computed.
+
+    ``ahead, aside, across`` are the parts of the sphere's centre, seen from the apex, along axis, u
+    and v; ``gap2`` is its squared distance less the squared radius.
+    """
+    if gap2 <= 0.0:
         return True
-    along = d[0] * cx + d[1] * cy + d[2] * cz
-    if along <= 0.0:
-        return False
-    length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-    return distance2 - along * along / length2 <= radius2
+    along = ahead + a * aside + b * across
+    return along > 0.0 and gap2 * (1.0 + a * a + b * b) <= along * along
 
 
 @kernel
@@ -227,10 +226,19 @@ def measure(
                 if not _cone_can_meet(v, tangents[k], p, sphere):
                     continue
                 cone_frame(p, v, sphere, axes[model], frame)
+                ahead = aside = across = distance2 = 0.0
+                for axis in range(3):
+                    away = sphere[axis] - p[axis]
+                    ahead += frame[0, axis] * away
+                    aside += frame[1, axis] * away
+                    across += frame[2, axis] * away
+                    distance2 += away * away
+                gap2 = distance2 - sphere[3] * sphere[3]
                 for ray in range(pattern.shape[0]):
-                    ray_direction(frame, tangents[k], pattern, ray, d)
-                    if not _ray_can_meet(d, p, sphere):
+                    a, b = tangents[k] * pattern[ray, 0], tangents[k] * pattern[ray, 1]
+                    if not _ray_can_meet(ahead, aside, across, gap2, a, b):
                         continue
+                    ray_direction(frame, tangents[k], pattern, ray, d)
                     t = cast_ray(
                         boxes, links, triangles, node0, triangle0,
                         p[0], p[1], p[2], d[0], d[1], d[2], True, stack, counters,
