@@ -23,6 +23,7 @@ KERNEL_SOURCES = (
     "motion/low_pass.py",
     "motion/quadratic.py",
     "geometry/bvh.py",
+    "geometry/cones.py",
     "geometry/query.py",
     "geometry/kernel.py",
 )

@@ -98,12 +98,12 @@ def test_culling_by_the_sphere_never_loses_a_ray(seed):
         v *= rng.uniform(0.03, 1.2) / np.linalg.norm(v)
         frame = frame_of(p, v, sphere[:3])
         tangent = kernel.cone_tangent(float(np.linalg.norm(v)), CONE)
-        cone_passes = kernel._cone_can_meet(v, tangent, p, sphere)
+        cone_passes = kernel.cone_can_meet(v, tangent, p, sphere)
         parts = frame @ (sphere[:3] - p)
         gap2 = ((sphere[:3] - p) ** 2).sum() - sphere[3] ** 2
         for k in range(36):
             kernel.ray_direction(frame, tangent, pattern, k, d)
-            ray_passes = kernel._ray_can_meet(*parts, gap2, *(tangent * pattern[k]))
+            ray_passes = kernel.ray_can_meet(*parts, gap2, *(tangent * pattern[k]))
             along = max(0.0, d @ (sphere[:3] - p)) / (d @ d)
             gap = np.linalg.norm(p + along * d - sphere[:3]) - sphere[3]
             if gap < -1e-9:

@@ -6,74 +6,17 @@ import numpy as np
 
 from igrip.compiled import kernel
 from igrip.geometry.bvh import STACK
+from igrip.geometry.cones import (
+    LEAST,
+    cone_can_meet,
+    cone_frame,
+    cone_tangent,
+    ray_can_meet,
+    ray_direction,
+)
 from igrip.geometry.query import cast_ray, nearest
 
-# columns of a cone description, see measure()
-SLOW, SLOW_ANGLE, FAST, FAST_ANGLE, LEAST = 0, 1, 2, 3, 4
-RAYS, RAY_NODES, POINT_NODES = 2, 0, 1  # counters
-
-
-@kernel
-def cone_tangent(speed, cone):
-    """Return the tangent of the half-angle of the cone at a local speed, interpolated linearly."""
-    part = (speed - cone[SLOW]) / (cone[FAST] - cone[SLOW])
-    part = min(1.0, max(0.0, part))
-    return np.tan(cone[SLOW_ANGLE] + part * (cone[FAST_ANGLE] - cone[SLOW_ANGLE]))
-
-
-@kernel
-def _perpendicular(ax, ay, az, wx, wy, wz):
-    """Return the unit part of w at right angles to the unit vector a, and whether there is one."""
-    along = ax * wx + ay * wy + az * wz
-    ux, uy, uz = wx - along * ax, wy - along * ay, wz - along * az
-    length = np.sqrt(ux * ux + uy * uy + uz * uz)
-    size = np.sqrt(wx * wx + wy * wy + wz * wz)
-    if not length > 1e-9 * size:
-        return 0.0, 0.0, 0.0, False
-    return ux / length, uy / length, uz / length, True
-
-
-@kernel
-def cone_frame(p, v, sphere, axis, frame):
-    """Place a cone: its axis along v, its roll fixed by the object alone.
-
-    The ray pattern has to be turned somehow about the axis. Anything tied to the world would make
-    the number of impacts depend on how the world is turned, so the first ray of the pattern leans
-    towards the centre of the object.
-
-    Parameters
-    ----------
-    p, v : (3,)
-        Apex and velocity, in the frame of the mesh.
-    sphere : (4,)
-        Bounding sphere of the mesh, centre and radius [m].
-    axis : (3, 3)
-        Object axes by columns, a fallback where the centre lies on the cone's axis.
-    frame : (3, 3), written
-        Rows: the unit axis and two unit vectors at right angles to it.
-    """
-    speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    ax, ay, az = v[0] / speed, v[1] / speed, v[2] / speed
-    ux, uy, uz, found = _perpendicular(
-        ax, ay, az, sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
-    )
-    for column in (2, 0):
-        if not found:
-            ux, uy, uz, found = _perpendicular(
-                ax, ay, az, axis[0, column], axis[1, column], axis[2, column]
-            )
-    frame[0, 0], frame[0, 1], frame[0, 2] = ax, ay, az
-    frame[1, 0], frame[1, 1], frame[1, 2] = ux, uy, uz
-    frame[2, 0], frame[2, 1] = ay * uz - az * uy, az * ux - ax * uz
-    frame[2, 2] = ax * uy - ay * ux
-
-
-@kernel
-def ray_direction(frame, tangent, pattern, k, out):
-    """Write the direction of ray k of the pattern; its component along the axis is 1."""
-    a, b = tangent * pattern[k, 0], tangent * pattern[k, 1]
-    for axis in range(3):
-        out[axis] = frame[0, axis] + a * frame[1, axis] + b * frame[2, axis]
+RAY_NODES, POINT_NODES, RAYS = 0, 1, 2  # counters
 
 
 @kernel
@@ -87,38 +30,6 @@ def _to_mesh(rotation, translation, p, out):
 def _turn_to_mesh(rotation, v, out):
     for axis in range(3):
         out[axis] = rotation[0, axis] * v[0] + rotation[1, axis] * v[1] + rotation[2, axis] * v[2]
-
-
-@kernel
-def _cone_can_meet(v, tangent, p, sphere):
-    """Whether any ray inside the cone about v can meet the bounding sphere."""
-    cx, cy, cz = sphere[0] - p[0], sphere[1] - p[1], sphere[2] - p[2]
-    radius = sphere[3]
-    speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    along = (v[0] * cx + v[1] * cy + v[2] * cz) / speed
-    distance2 = cx * cx + cy * cy + cz * cz
-    if distance2 <= radius * radius:
-        return True
-    # distance of the centre from the surface of the cone, in the plane through axis and centre
-    across = np.sqrt(max(0.0, distance2 - along * along))
-    cosine = 1.0 / np.sqrt(1.0 + tangent * tangent)
-    sine = tangent * cosine
-    if across * cosine - along * sine > radius:
-        return False
-    return along * cosine + across * sine > -radius
-
-
-@kernel
-def _ray_can_meet(ahead, aside, across, gap2, a, b):
-    """Whether the ray ``axis + a u + b v`` can meet a sphere, before it is even computed.
-
-    ``ahead, aside, across`` are the parts of the sphere's centre, seen from the apex, along axis, u
-    and v; ``gap2`` is its squared distance less the squared radius.
-    """
-    if gap2 <= 0.0:
-        return True
-    along = ahead + a * aside + b * across
-    return along > 0.0 and gap2 * (1.0 + a * a + b * b) <= along * along
 
 
 @kernel
@@ -223,7 +134,7 @@ def measure(
                 counters[RAYS] += pattern.shape[0]
                 _turn_to_mesh(rotations[o], future_velocities[h, k], v)
                 _to_mesh(rotations[o], translations[o], futures[h, k], p)
-                if not _cone_can_meet(v, tangents[k], p, sphere):
+                if not cone_can_meet(v, tangents[k], p, sphere):
                     continue
                 cone_frame(p, v, sphere, axes[model], frame)
                 ahead = aside = across = distance2 = 0.0
@@ -236,7 +147,7 @@ def measure(
                 gap2 = distance2 - sphere[3] * sphere[3]
                 for ray in range(pattern.shape[0]):
                     a, b = tangents[k] * pattern[ray, 0], tangents[k] * pattern[ray, 1]
-                    if not _ray_can_meet(ahead, aside, across, gap2, a, b):
+                    if not ray_can_meet(ahead, aside, across, gap2, a, b):
                         continue
                     ray_direction(frame, tangents[k], pattern, ray, d)
                     t = cast_ray(
