@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -27,7 +28,9 @@ def igrip(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]
     return done
 
 
-@pytest.mark.parametrize("command", ["demo", "replay", "import", "doctor", "schema"])
+@pytest.mark.parametrize(
+    "command", ["bench", "demo", "doctor", "grips", "import", "replay", "schema"]
+)
 def test_help_has_an_example(command: str) -> None:
     assert f"Example: igrip {command}" in igrip(command, "--help").stdout
 
@@ -159,3 +162,23 @@ def test_json_is_json(tmp_path: Path) -> None:
 def test_negative_numbers_are_refused(small_dataset: Dataset, option: str) -> None:
     said = igrip("replay", small_dataset.path, option, code=2).stderr
     assert "greater than or equal to 0" in said
+
+
+def test_grips_says_and_draws_the_borders(tmp_path: Path) -> None:
+    out = tmp_path / "figure2.svg"
+    told = json.loads(igrip("grips", "--json", "--out", out).stdout)
+    # 0.85 of half the length of the longest edge: extents of 213, 102, 191 and (tilted) 254 mm
+    border = told["border_m"]
+    assert border["003_cracker_box"] == pytest.approx(0.85 * 0.5 * 0.2138, abs=2e-4)
+    assert border["005_tomato_soup_can"] == pytest.approx(0.85 * 0.5 * 0.102, abs=2e-4)
+    assert border["006_mustard_bottle"] == pytest.approx(0.85 * 0.5 * 0.1914, abs=2e-4)
+    assert border["021_bleach_cleanser"] == pytest.approx(0.85 * 0.5 * 0.254, abs=2e-4)
+    assert {"#5a82d8", "#d35ac0"} <= set(re.findall("#[0-9a-f]{6}", out.read_text()))
+
+
+def test_bench_of_a_few_frames() -> None:
+    options = ("--frames", 20, "--runs", 1, "--plain-frames", 0, "--cadence", 1)
+    told = json.loads(igrip("bench", *options, "--memory-frames", 100, "--json").stdout)
+    assert told["peers"]["ratios"]["update / embreex, rays alone"] > 0
+    assert [row["case"] for row in told["growth"]["objects"]] == [1, 4, 20, 100]
+    assert told["memory"]["frames"] == 100

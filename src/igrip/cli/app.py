@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from igrip.cli import bench, demo, doctor, importing, replay, schema
+from igrip.cli import bench, demo, doctor, grips, importing, replay, schema
 from igrip.cli.console import output
 from igrip.version import __version__
 
@@ -40,4 +40,5 @@ app.command("replay")(replay.replay)
 app.command("import")(importing.import_tables)
 app.command("bench")(bench.bench)
 app.command("doctor")(doctor.doctor)
+app.command("grips")(grips.grips)
 app.command("schema")(schema.schema)

@@ -1,0 +1,43 @@
+"""``igrip grips``: the picture of the grip zones of objects."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from igrip.cli.console import output, print_json
+from igrip.config import Config
+from igrip.objects.catalog import PAPER_OBJECTS, load_objects
+from igrip.viewer.grip_zones import draw_grip_zones
+
+
+def grips(
+    models: Annotated[
+        list[str] | None, typer.Argument(help="Names of models. Default: the paper's four, or all.")
+    ] = None,
+    objects: Annotated[
+        list[str], typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:….")
+    ] = ["ycb"],  # noqa: B006 - typer copies it
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Write the picture here (.png, .svg).")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+) -> None:
+    """Say, and draw, from which height on each object is pinched.
+
+    Example: igrip grips --out figure2.png
+    """
+    catalog = load_objects(*objects)
+    usual = PAPER_OBJECTS if set(PAPER_OBJECTS) <= set(catalog) else tuple(catalog)
+    chosen = [catalog[name] for name in models or usual]
+    pinch_from = Config().grip.pinch_from
+    borders = {model.name: pinch_from * 0.5 * model.length for model in chosen}
+    if out is not None:
+        draw_grip_zones(chosen, pinch_from, out)
+    if as_json:
+        print_json({"pinch_from_half_lengths": pinch_from, "border_m": borders})
+        return
+    for name, border in borders.items():
+        output.print(f"{name}: pinch beyond {1e3 * border:.1f} mm from the middle")

@@ -1,0 +1,75 @@
+"""Where a hand beside an object pinches and where it takes a palmar grip (paper: Figure 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from igrip.errors import MissingExtraError
+from igrip.grips.cylinder import is_pinch
+from igrip.objects.model import ObjectModel
+
+PALMAR, PINCH = "#5a82d8", "#d35ac0"
+
+
+def draw_grip_zones(models: Sequence[ObjectModel], pinch_from: float, path: Path) -> None:
+    """Draw each object from the side: its zones, its bounding cylinder and its z axis.
+
+    Parameters
+    ----------
+    models : sequence of ObjectModel
+        The objects, side by side and to one scale.
+    pinch_from : float
+        Border of the pinch zone, in half-lengths of the cylinder.
+    path : Path
+        Where to write; the ending chooses PNG or SVG.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("matplotlib", "bench", "the picture of grip zones") from error
+    figure = Figure(figsize=(2.6 * len(models), 4.6), layout="constrained")
+    panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
+    for panel, model in zip(panels, models, strict=True):
+        _draw(panel, model, pinch_from)
+    panels[0].set_ylabel("z in the object's frame [mm]")
+    figure.suptitle("grip by height: palmar (blue), pinch (magenta and beyond)")
+    figure.savefig(path, dpi=150)
+
+
+def _draw(panel: Any, model: ObjectModel, pinch_from: float) -> None:
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Rectangle
+
+    frame = model.mesh_from_object
+    local = 1e3 * (model.vertices - frame[:3, 3]) @ frame[:3, :3]  # millimetres
+    corners = local[model.faces]
+    order = np.argsort(-corners[:, :, 1].mean(axis=1))  # the far side first
+    half, radius = 500.0 * model.length, 1e3 * model.radius
+    pinch = is_pinch(corners[:, :, 2].mean(axis=1), np.full(len(corners), half), pinch_from)
+    colours = np.where(pinch, PINCH, PALMAR)[order]
+    panel.add_collection(
+        PolyCollection(list(corners[order][:, :, [0, 2]]), facecolors=colours, edgecolors="none")
+    )
+    panel.add_patch(
+        Rectangle((-radius, -half), 2 * radius, 2 * half, facecolor="#80808028", edgecolor="grey")
+    )
+    border = pinch_from * half
+    for height in (-border, border):
+        panel.axhline(height, color=PINCH, linewidth=0.8, linestyle="--")
+    panel.annotate(
+        "", (0.0, 1.35 * half), (0.0, 0.0),
+        arrowprops={"arrowstyle": "-|>", "color": "#d02020", "linewidth": 1.5},
+    )  # fmt: skip
+    panel.set_title(f"{model.name}\nborder ±{border:.1f} mm", fontsize=8)
+    panel.set_xlim(-110, 110)
+    panel.set_ylim(-180, 180)
+    panel.set_aspect("equal")
