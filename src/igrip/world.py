@@ -84,9 +84,8 @@ class World:
 
     def _take_objects(self, observation: Observation) -> None:
         left_out = 0
-        for id, pose in sorted(
-            observation.objects.items()
-        ):  # which have room must not hang on order
+        # by id: which objects there is room for must not hang on their order in the message
+        for id, pose in sorted(observation.objects.items()):
             if pose is None:
                 if id in self.objects:
                     self.objects[id].miss(observation.t)

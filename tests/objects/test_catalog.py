@@ -21,7 +21,7 @@ from support import BOX, CAN, PAPER
 ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere")
 
 
-def same(a, b):
+def assert_same(a, b):
     for name in ARRAYS:
         ours, theirs = getattr(a, name), getattr(b, name)
         assert ours.dtype == theirs.dtype
@@ -94,7 +94,7 @@ def test_the_cache_gives_the_same_bits(cache, builds):
     second = load_objects(CAN)[CAN]
     assert builds == [CAN]
     assert second is not first
-    same(first, second)
+    assert_same(first, second)
     assert len(list(cache.iterdir())) == 1
 
 
@@ -104,7 +104,7 @@ def test_a_cache_that_was_cut_is_built_again(cache, builds, part):
     [path] = cache.iterdir()
     whole = path.read_bytes()
     path.write_bytes(whole[: int(part * len(whole))])
-    same(first, load_objects(CAN)[CAN])
+    assert_same(first, load_objects(CAN)[CAN])
     assert builds == [CAN, CAN]
     assert path.read_bytes() == whole
     load_objects(CAN)[CAN]
@@ -120,7 +120,7 @@ def test_a_cache_with_wrong_bytes_is_built_again(cache, builds):
         damaged = bytearray(whole)
         damaged[at] ^= 0xFF
         path.write_bytes(bytes(damaged))
-        same(first, load_objects(CAN)[CAN])
+        assert_same(first, load_objects(CAN)[CAN])
 
 
 def test_no_half_written_file_is_left(cache):
@@ -163,7 +163,7 @@ def test_pickling(sources):
     assert isinstance(again, Catalog)
     assert list(again) == list(catalog)
     name = "005_tomato_soup_can" if "ycb" in sources else CAN
-    same(again[name], catalog[name])
+    assert_same(again[name], catalog[name])
     assert len(pickle.dumps(catalog)) < 1000
 
 
@@ -176,7 +176,7 @@ def test_pickling_a_folder(tmp_path):
 
 def test_sources_as_paths_and_as_text(tmp_path):
     trimesh.creation.box((0.1, 0.1, 0.2)).export(tmp_path / "thing.ply")
-    same(load_objects(tmp_path)["thing"], load_objects(str(tmp_path))["thing"])
+    assert_same(load_objects(tmp_path)["thing"], load_objects(str(tmp_path))["thing"])
 
 
 def test_a_model_that_cannot_be_used_is_an_error_each_time(tmp_path):

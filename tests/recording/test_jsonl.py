@@ -12,6 +12,7 @@ import pytest
 import igrip
 from igrip import Intention, Observation
 from igrip.errors import RecordingError
+from igrip.recording import jsonl
 from igrip.recording.jsonl import JsonlReader, JsonlWriter
 from support import hand, lines, message, pose, run, scene_of_shapes
 
@@ -182,12 +183,22 @@ def test_files_that_cannot_be_opened(tmp_path, kind):
         assert str(path) in str(raised.value)
 
 
-def test_an_iteration_that_is_given_up_closes_the_file(tmp_path, scene):
+def test_an_iteration_that_is_given_up_closes_the_file(tmp_path, scene, monkeypatch):
     path = write(tmp_path / "scene.jsonl", scene)
+    opened = []
+
+    def remember(name):
+        opened.append(open_file(name))
+        return opened[-1]
+
+    open_file = jsonl._open
+    monkeypatch.setattr(jsonl, "_open", remember)
     iterator = iter(JsonlReader(path))
     next(iterator)
+    assert [file.closed for file in opened] == [False]
     del iterator
-    gc.collect()  # a file that was left open would warn, and warnings are errors
+    gc.collect()
+    assert [file.closed for file in opened] == [True]
 
 
 def test_open_source_reads_it(tmp_path, scene):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from igrip.errors import MissingExtraError
+from igrip.plots import new_figure
 
 
 def draw(report: dict[str, Any], path: Path) -> None:
@@ -16,11 +16,7 @@ def draw(report: dict[str, Any], path: Path) -> None:
     MissingExtraError
         If matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", "bench", "the picture of a benchmark") from error
-    figure = Figure(figsize=(10, 4), layout="constrained")
+    figure = new_figure(10.0, 4.0, "the picture of a benchmark")
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     rows = dict(report["peers"]["best"])
     if report["peers"]["plain_trimesh"]:

