@@ -22,4 +22,5 @@ def geometry(count=3, **arrays):
     fields |= {"hits": np.zeros(count, dtype=np.int64), "spread": np.nan}
     fields |= {name: np.asarray(value) for name, value in arrays.items()}
     fields["spread"] = float(fields["spread"])
-    return Geometry(objects=list(range(count)), **fields)
+    pair = np.stack([fields.pop("surface"), fields.pop("future_surface")])
+    return Geometry(objects=list(range(count)), surfaces=lambda: pair, **fields)

@@ -6,34 +6,38 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-from igrip.geometry import query
+from igrip.geometry import nearest as nearest_points
+from igrip.geometry import ray
 from igrip.geometry.bvh import STACK
 
 
-def cast(bvh, origins, directions, any_hit=False):
+def cast(bvh, origins, directions):
     """Return the length of each ray, infinity for a miss."""
     stack, counters = np.empty(STACK, dtype=np.int32), np.zeros(3, dtype=np.int64)
     lengths = np.empty(len(origins))
     for k, (p, d) in enumerate(zip(origins, directions, strict=True)):
-        lengths[k] = query.cast_ray(*bvh, 0, 0, *p, *d, any_hit, stack, counters)
+        lengths[k] = ray.cast_ray(*bvh, 0, 0, *p, *d, stack, counters)
     return lengths
 
 
-def nearest(bvh, point, vertices=True):
-    """Return distances to the nearest vertex and surface point, and that point."""
-    stack, near = np.empty(STACK, dtype=np.int32), np.empty(STACK)
-    counters = np.zeros(3, dtype=np.int64)
-    bounds = (np.inf, np.inf)
-    found = query.nearest(*bvh, 0, 0, *point, vertices, *bounds, stack, near, counters)
-    return found[0], found[1], np.array(found[2:5])
+def meets(bvh, origins, directions):
+    """Return whether each ray meets the mesh."""
+    stack, counters = np.empty(STACK, dtype=np.int32), np.zeros(3, dtype=np.int64)
+    return np.array(
+        [
+            ray.meets_mesh(*bvh, 0, 0, *p, *d, stack, counters)
+            for p, d in zip(origins, directions, strict=True)
+        ],
+        dtype=bool,
+    )
 
 
-def nearest_within(bvh, point, vertex2, surface2):
-    """Return the same, and the nearest vertex, under bounds that are known beforehand."""
+def nearest(tree, point, least2=np.inf):
+    """Return the distance to the nearest of a tree, where that is, and how many nodes it took."""
     stack, near = np.empty(STACK, dtype=np.int32), np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
-    found = query.nearest(*bvh, 0, 0, *point, True, vertex2, surface2, stack, near, counters)
-    return found[0], found[1], np.array(found[2:5]), np.array(found[5:]), int(counters[1])
+    found = nearest_points.nearest(*tree, 0, 0, *point, least2, stack, near, counters)
+    return found[0], np.array(found[1:]), int(counters[1])
 
 
 def embree_lengths(corners, origins, directions):

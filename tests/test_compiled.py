@@ -51,10 +51,13 @@ def test_an_edit_of_any_source_changes_the_directory(tmp_path, monkeypatch):
 
 
 def test_kernels_are_exact_and_release_the_lock():
-    from igrip.geometry import kernel, query
+    from igrip.geometry import contact, kernel, nearest, ray
     from igrip.motion.quadratic import fit_quadratic
 
-    for function in (kernel.measure, kernel.approach, query.cast_ray, query.nearest, fit_quadratic):
+    for function in (
+        kernel.measure, contact.approach, ray.cast_ray, ray.meets_mesh, nearest.nearest,
+        fit_quadratic,
+    ):  # fmt: skip
         options = function.targetoptions
         assert options["nogil"]
         assert not options["fastmath"]

@@ -24,8 +24,15 @@ KERNEL_SOURCES = (
     "motion/quadratic.py",
     "geometry/bvh.py",
     "geometry/cones.py",
-    "geometry/query.py",
+    "geometry/contact.py",
+    "geometry/local.py",
+    "geometry/nearest.py",
+    "geometry/ray.py",
     "geometry/kernel.py",
+    "cues/distance.py",
+    "cues/distance_derivative.py",
+    "cues/impacts.py",
+    "targets/weighted.py",
 )
 
 

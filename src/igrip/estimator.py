@@ -77,6 +77,7 @@ class Estimator:
         objects = self._world.placed()
         ready = [hand for hand in measured if hand.status in ("idle", "reaching")]
         motions = [hand.motion for hand in ready if hand.motion is not None]
+        trouble = self._world.trouble()
         intentions = {}
         for hand, motion, geometry in zip(
             ready, motions, self._scene.measure(motions, objects), strict=True
@@ -84,7 +85,7 @@ class Estimator:
             cues = {cue.name: cue.score(motion, geometry, self.config.cues) for cue in self._cues}
             belief = self._targets_of(hand).update(motion, geometry, cues)
             grip = self._grips.select(belief, geometry)
-            intentions[hand.id] = self._intention(hand, geometry, cues, belief, grip)
+            intentions[hand.id] = self._intention(hand, geometry, cues, belief, grip, trouble)
         return self._complete(intentions, measured)
 
     @property
@@ -121,6 +122,7 @@ class Estimator:
         cues: dict[str, Scores],
         belief: Belief,
         grip: Grip,
+        trouble: str | None,
     ) -> Intention:
         """Put one hand's result into words and numbers."""
         assert hand.motion is not None
@@ -128,11 +130,9 @@ class Estimator:
         age = self._world.t - hand.motion.t
         target = None if belief.target is None else geometry.objects[belief.target]
         contact = None if target is None else self._scene.contact(hand.motion, target)
-        columns = {**cues, "global": belief.scores}
-        scores = {
-            id: {name: float(column[o]) for name, column in columns.items()}
-            for o, id in enumerate(ids)
-        }
+        names = (*cues, "global")
+        rows = zip(*(column.tolist() for column in (*cues.values(), belief.scores)), strict=True)
+        scores = {id: dict(zip(names, row, strict=True)) for id, row in zip(ids, rows, strict=True)}
         probability = None
         if belief.probability is not None:
             probability = dict(zip([*ids, "none"], map(float, belief.probability), strict=True))
@@ -140,7 +140,7 @@ class Estimator:
             t=self._world.t,
             hand=hand.id,
             status=hand.status,
-            reason=hand.reason(self._world.t) or self._world.trouble(),
+            reason=hand.reason(self._world.t) or trouble,
             target=target.id if target else None,
             target_model=target.model.name if target else None,
             confidence=None if belief.target is None else float(belief.scores[belief.target]),

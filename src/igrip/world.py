@@ -111,7 +111,7 @@ class World:
     def trouble(self) -> str | None:
         """Say what is wrong with the input of objects, in words."""
         usable = any(track.reason is None for track in self.objects.values())
-        named = [t for t in self.objects.values() if t.fault or (t.reason and not usable)]
+        named = [t for t in self.objects.values() if t.fault or (not usable and t.reason)]
         parts = [f"{track.id}: {track.fault or track.reason}" for track in named[:3]]
         if len(named) > 3:
             parts.append(f"and {len(named) - 3} more")

@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from igrip.geometry.bvh import LEAF_SIZE, STACK, build_bvh
+from igrip.geometry.bvh import LEAF_BITS, STACK, TRIANGLES_IN_LEAF, build_bvh
 from oracle.meshes import ray_lengths
 from rays import cast, nearest
 from support import PAPER, mesh_of, soup
@@ -27,7 +27,7 @@ def walk(bvh):
                 todo.append((link, depth + 1))
                 yield node, child, depth, None, None
             else:
-                first, count = divmod(-1 - link, 8)
+                first, count = divmod(-1 - link, 1 << LEAF_BITS)
                 yield node, child, depth, first, first + count
     assert seen == set(range(len(bvh.boxes)))
 
@@ -36,7 +36,7 @@ def check(vertices, faces):
     """Assert every invariant of a tree; return its depth."""
     bvh = build_bvh(vertices, faces)
     given_triangles = sorted(map(tuple, vertices[faces].reshape(-1, 9)))
-    assert sorted(map(tuple, bvh.triangles)) == given_triangles
+    assert sorted(map(tuple, bvh.leaves)) == given_triangles
     times_in_leaf = np.zeros(len(faces), dtype=int)
     inside = {}  # node → the range of triangles below it
     rows = list(walk(bvh))
@@ -44,13 +44,13 @@ def check(vertices, faces):
         if first is None:
             first, last = inside[int(bvh.links[node, child])]
         else:
-            assert last - first <= LEAF_SIZE
+            assert last - first <= TRIANGLES_IN_LEAF
             times_in_leaf[first:last] += 1
         low, high = inside.get(node, (first, last))
         inside[node] = min(low, first), max(high, last)
         if first == last:
             continue
-        corners = bvh.triangles[first:last].reshape(-1, 3)
+        corners = bvh.leaves[first:last].reshape(-1, 3)
         box = bvh.boxes[node, 6 * child : 6 * child + 6].astype(float)
         assert (box[:3] <= corners.min(axis=0)).all()
         assert (box[3:] >= corners.max(axis=0)).all()
@@ -102,7 +102,7 @@ def test_flat_mesh():
     origins = np.array([[0.31, 0.47, 2.0], [0.31, 0.47, 0.0], [0.31, 1.47, 2.0]])
     directions = np.array([[0, 0, -1.0], [0, 0, 1.0], [0, 0, -1.0]])
     assert cast(bvh, origins, directions).tolist() == [1.75, 0.25, np.inf]
-    assert nearest(bvh, (0.3, 0.4, 0.75))[1] == pytest.approx(0.5)
+    assert nearest(bvh, (0.3, 0.4, 0.75))[0] == pytest.approx(0.5)
 
 
 def test_ten_thousand_coincident_centres():
@@ -138,7 +138,7 @@ def test_order_of_faces_does_not_change_what_is_found():
     origins, directions = rng.normal(0, 0.5, (2, 300, 3))
     assert cast(a, origins, directions) == pytest.approx(cast(b, origins, directions), rel=1e-9)
     for point in origins[:50]:
-        assert nearest(a, point)[:2] == pytest.approx(nearest(b, point)[:2], rel=1e-12)
+        assert nearest(a, point)[0] == pytest.approx(nearest(b, point)[0], rel=1e-12)
 
 
 def test_building_twice_gives_the_same_bits():

@@ -149,14 +149,13 @@ def geometry_of(case):
         objects=list(range(len(centres))),
         hits=np.array(case["hits"]),
         vertex=np.array(case["distance"]),
-        surface=none,
         future_vertex=np.array(case["future"]),
-        future_surface=none,
         centre=none,
         centre_rate=np.array(case["centre_rate"]),
         axial=none,
         half_length=none,
         spread=float(gaps.max()) if len(centres) > 1 else np.nan,
+        surfaces=lambda: np.stack([none, none]),
     )
 
 

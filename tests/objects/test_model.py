@@ -177,7 +177,7 @@ def test_degenerate_faces_are_left_out():
     faces = np.vstack([box.faces, [[0, 0, 1], [2, 2, 2]]])
     model = build_model("box", mesh_of(box.vertices, faces))
     assert len(model.faces) == 12
-    assert len(model.bvh.triangles) == 12
+    assert len(model.bvh.leaves) == 12
 
 
 def test_a_flat_mesh():

@@ -23,8 +23,36 @@ from igrip.objects.catalog import PAPER_OBJECTS, Catalog, load_objects
 from igrip.observation import Observation
 
 TARGETS = "paper"  # the estimator that is timed; the others differ by microseconds
+OWN = "igrip, update"
 WARM_UP = 40  # frames before the clock runs: the window is full, and the code compiled
 Step = Callable[[str], None]
+
+
+def bars(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return what is aimed at (DESIGN §7) and what was measured, as far as it was.
+
+    Each row has ``what``, ``most`` (or ``least``), ``measured`` and ``reached``.
+    """
+    own = report["peers"]["best"][OWN]
+    ratios = report["peers"]["ratios"]
+    objects = {row["case"]: row["p50_ms"] for row in report["growth"]["objects"]}
+    rows: list[dict[str, Any]] = [
+        {"what": "update / embreex, rays alone", "most": 2.5},
+        {"what": "trimesh without embree, rays alone / update", "least": 50.0},
+        {"what": "100 objects / 4 objects", "most": 12.0, "measured": objects[100] / objects[4]},
+        {"what": "update, p50 [ms], idle machine", "most": 0.5, "measured": own["p50_ms"]},
+        {"what": "update, p99 [ms], idle machine", "most": 1.0, "measured": own["p99_ms"]},
+    ]
+    if "memory" in report:
+        grown = report["memory"]["growth_mb"]
+        rows.append({"what": "growth of memory [MB]", "most": 1.0, "measured": grown})
+    for row in rows:
+        row.setdefault("measured", ratios.get(row["what"]))
+        if row["measured"] is not None:
+            row["reached"] = (
+                row["measured"] <= row["most"] if "most" in row else row["measured"] >= row["least"]
+            )
+    return [row for row in rows if row["measured"] is not None]
 
 
 def machine() -> dict[str, Any]:
@@ -47,7 +75,9 @@ def run_frames(estimator: Estimator, frames: Sequence[Observation]) -> list[floa
     return times
 
 
-def against_peers(catalog: Catalog, frames: int, runs: int, plain_frames: int) -> dict[str, Any]:
+def against_peers(
+    catalog: Catalog, frames: int, runs: int, plain_frames: int, turn: int = 1
+) -> dict[str, Any]:
     """Time ``update`` beside other engines at the same frames, in turn; the best of several runs.
 
     Two hands, the paper's four objects, 10 predicted points × 36 rays, both distances. The rays of
@@ -73,13 +103,14 @@ def against_peers(catalog: Catalog, frames: int, runs: int, plain_frames: int) -
         for observation in observations[:WARM_UP]:
             estimator.update(observation)
         contestants: dict[str, Callable[[int], object]] = {
-            "igrip, update": lambda k, e=estimator: e.update(observations[k])  # type: ignore[misc]
+            OWN: lambda k, e=estimator: e.update(observations[k])  # type: ignore[misc]
         }
-        times = interleaved(contestants | peers, range(WARM_UP, WARM_UP + frames))
+        times = interleaved(contestants | peers, range(WARM_UP, WARM_UP + frames), turn)
         table.append({name: milliseconds(seconds) for name, seconds in times.items()})
     best = {name: min((run[name] for run in table), key=lambda m: m["p50_ms"]) for name in table[0]}
     result: dict[str, Any] = {"runs": table, "best": best, "missing": missing}
     result["plain_trimesh"] = _plain_trimesh(objects, workloads, plain_frames, missing)
+    result["ratios_of_runs"] = _ratios_of_runs(table)
     result["ratios"] = _ratios(table, result["plain_trimesh"])
     return result
 
@@ -125,15 +156,20 @@ def _plain_trimesh(
     return milliseconds(times["rays"])
 
 
-def _ratios(runs: Sequence[dict[str, Any]], plain: dict[str, float] | None) -> dict[str, float]:
-    own = "igrip, update"
-    ratios = {
-        f"update / {name}": min(run[own]["p50_ms"] / run[name]["p50_ms"] for run in runs)
+def _ratios_of_runs(runs: Sequence[dict[str, Any]]) -> dict[str, list[float]]:
+    """Return the ratio of medians to each peer, run by run."""
+    return {
+        f"update / {name}": [run[OWN]["p50_ms"] / run[name]["p50_ms"] for run in runs]
         for name in runs[0]
-        if name != own
+        if name != OWN
     }
+
+
+def _ratios(runs: Sequence[dict[str, Any]], plain: dict[str, float] | None) -> dict[str, float]:
+    """Return the best ratio of medians to each peer."""
+    ratios = {name: min(values) for name, values in _ratios_of_runs(runs).items()}
     if plain is not None:
-        fastest = min(run[own]["p50_ms"] for run in runs)
+        fastest = min(run[OWN]["p50_ms"] for run in runs)
         ratios["trimesh without embree, rays alone / update"] = plain["p50_ms"] / fastest
     return ratios
 
@@ -146,10 +182,10 @@ def at_cadence(catalog: Catalog, seconds: float) -> dict[str, float]:
     run_frames(estimator, observations[:WARM_UP])
     work = {"update": lambda k: estimator.update(observations[k])}
     frames = range(WARM_UP, WARM_UP + count)
-    return milliseconds(interleaved(work, frames, 1.0 / scenes.RATE)["update"])
+    return milliseconds(interleaved(work, frames, least=1.0 / scenes.RATE)["update"])
 
 
-def growth(catalog: Catalog, frames: int) -> dict[str, list[dict[str, Any]]]:
+def growth(catalog: Catalog, frames: int, turn: int = 1) -> dict[str, list[dict[str, Any]]]:
     """Time ``update`` with more objects, more rays and finer meshes; the frames are interleaved."""
 
     def compare(cases: dict[Any, tuple[Estimator, list[Observation]]]) -> list[dict[str, Any]]:
@@ -157,7 +193,7 @@ def growth(catalog: Catalog, frames: int) -> dict[str, list[dict[str, Any]]]:
             run_frames(estimator, observations[:WARM_UP])
         works = {str(case): lambda k, e=e, o=o: e.update(o[k]) for case, (e, o) in cases.items()}
         before = {case: estimator.scene.counters.copy() for case, (estimator, _) in cases.items()}
-        times = interleaved(works, range(WARM_UP, WARM_UP + frames))
+        times = interleaved(works, range(WARM_UP, WARM_UP + frames), turn)
         rows = []
         for case, (estimator, _) in cases.items():
             work = (estimator.scene.counters - before[case]) / frames

@@ -19,6 +19,9 @@ def bench(
     plain_frames: Annotated[
         int, typer.Option(help="Frames by trimesh without embree, which takes seconds each.", min=0)
     ] = 3,
+    turn: Annotated[
+        int, typer.Option(help="Frames that each does in a row; 1: caches are cold.", min=1)
+    ] = 20,
     cadence: Annotated[float, typer.Option(help="Seconds at a real 30 Hz.", min=1.0)] = 10.0,
     memory_frames: Annotated[
         int, typer.Option(help="Frames of the memory run; 0: leave it out.", min=0)
@@ -36,14 +39,15 @@ def bench(
     catalog = load_objects("ycb")
     report: dict[str, Any] = {"machine": run.machine()}
     with errors.status("timing beside other engines …") as status:
-        report["peers"] = run.against_peers(catalog, frames, runs, plain_frames)
+        report["peers"] = run.against_peers(catalog, frames, runs, plain_frames, turn)
         status.update("timing at a real 30 Hz …")
         report["cadence_30_hz"] = run.at_cadence(catalog, cadence)
         status.update("timing with more objects, rays and faces …")
-        report["growth"] = run.growth(catalog, frames)
+        report["growth"] = run.growth(catalog, frames, turn)
         if memory_frames:
             status.update("running for the memory …")
             report["memory"] = run.memory(catalog, memory_frames)
+    report["bars"] = run.bars(report)
     if plot is not None:
         picture.draw(report, plot)
     if as_json:
@@ -70,7 +74,8 @@ def _print(report: dict[str, Any]) -> None:
         table.add_row(name, f"{times['p50_ms']:.3f}", f"{times['p99_ms']:.3f}")
     output.print(table)
     for name, ratio in peers["ratios"].items():
-        output.print(f"{name}: {ratio:.2f}")
+        of_runs = ", ".join(f"{r:.2f}" for r in peers["ratios_of_runs"].get(name, []))
+        output.print(f"{name}: {ratio:.2f}" + (f" (runs: {of_runs})" if of_runs else ""))
     for package in peers["missing"]:
         errors.print(f"left out: {package} (pip install 'igrip[bench]')", style="yellow")
     for what, cases in report["growth"].items():
@@ -84,8 +89,11 @@ def _print(report: dict[str, Any]) -> None:
                 *(f"{count:.0f}" for count in counts),
             )
         output.print(table)
-    objects = {row["case"]: row["p50_ms"] for row in report["growth"]["objects"]}
-    output.print(f"100 objects / 4 objects: {objects[100] / objects[4]:.2f}")
+    table = Table("what is aimed at", "bar", "measured", "reached")
+    for row in report["bars"]:
+        bar = f"≤ {row['most']:g}" if "most" in row else f"≥ {row['least']:g}"
+        table.add_row(row["what"], bar, f"{row['measured']:.3g}", "yes" if row["reached"] else "no")
+    output.print(table)
     if "memory" in report:
         grown = report["memory"]
         output.print(

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from igrip.compiled import kernel
 from igrip.cues.base import CueConfig, Scores, cue
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
+
+
+@kernel
+def closeness(distances: Scores, spread: float) -> Scores:
+    """Return ``1 - min(d / d_max, 1)`` of each distance."""
+    scores: Scores = 1.0 - np.minimum(distances / spread, 1.0)
+    return scores
 
 
 @cue("distance", order=0)
@@ -17,4 +25,5 @@ def distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
     which makes every value ≤ 0 (SPEC §5).
     """
     away = geometry.vertex if config.distance == "vertex" else geometry.surface
-    return 1.0 - np.minimum(away / config.spread(geometry), 1.0)
+    scores: Scores = closeness(away, config.spread(geometry))
+    return scores

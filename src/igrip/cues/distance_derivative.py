@@ -4,9 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from igrip.compiled import kernel
 from igrip.cues.base import CueConfig, Scores, cue
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
+
+
+@kernel
+def directness(rates: Scores, speed: float) -> Scores:
+    """Return ``-ḋ / v`` of each rate ḋ.
+
+    Straight at the centre of a resting object rounding may leave [-1, 1] by some digits; there it
+    is 1 or -1.
+    """
+    scores = np.empty(len(rates))
+    for o, rate in enumerate(rates):
+        score = -rate / speed
+        rounded = 1.0 < abs(score) < 1.0 + 1e-9
+        scores[o] = np.sign(score) if rounded else score
+    return scores
 
 
 @cue("distance_derivative", order=1)
@@ -18,10 +34,5 @@ def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -
     """
     if motion.speed < config.least_speed or motion.speed == 0.0:
         return np.zeros(len(geometry.centre_rate))
-    scores = -geometry.centre_rate / motion.speed
-    # straight at the centre of a resting object, rounding may leave [-1, 1] by some digits
-    beyond = np.abs(scores) > 1.0
-    if beyond.any():
-        rounded = beyond & (np.abs(scores) < 1.0 + 1e-9)
-        scores[rounded] = np.sign(scores[rounded])
+    scores: Scores = directness(geometry.centre_rate, motion.speed)
     return scores

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from igrip.cues.base import CueConfig, Scores, cue
+from igrip.cues.distance import closeness
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 
@@ -16,4 +15,5 @@ def future_distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Sc
     The paper prints ``max``, as for the distance (SPEC §5).
     """
     near = geometry.future_vertex if config.distance == "vertex" else geometry.future_surface
-    return 1.0 - np.minimum(near / config.spread(geometry), 1.0)
+    scores: Scores = closeness(near, config.spread(geometry))
+    return scores

@@ -1,7 +1,8 @@
-"""Bounding-volume hierarchy of one mesh, built once in the frame of its file.
+"""Bounding-volume hierarchies of one mesh, built once in the frame of its file.
 
-Each inner node holds the boxes of its two children, so that one fetch decides both. Triangles are
-stored in the order of the leaves. Boxes are single precision, rounded outward; triangles double.
+Each inner node holds the boxes of its two children, so that one fetch decides both. Leaves hold
+triangles or points, stored in their order. Boxes are single precision, rounded outward; what is in
+the leaves is double.
 """
 
 from __future__ import annotations
@@ -13,32 +14,34 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 
-LEAF_SIZE = 4
+TRIANGLES_IN_LEAF = 4
+POINTS_IN_LEAF = 8
+LEAF_BITS = 4  # of the number in a leaf
 BINS = 16
 MAX_DEPTH = 48  # beyond it ranges are halved, so that a traversal stack of 128 always suffices
 STACK = 128
 
 
 class Bvh(NamedTuple):
-    """Tree over the triangles of a mesh.
+    """Tree over the triangles or the vertices of a mesh.
 
     Attributes
     ----------
     boxes : (n, 12) float32
         Lower and upper corner of the left child, then of the right child.
     links : (n, 2) int32
-        Child node if ≥ 0; otherwise a leaf ``-1 - (8 * first + count)`` of the triangles.
-    triangles : (f, 9) float64
-        Corners a, b, c of each triangle, in the order of the leaves [m].
+        Child node if ≥ 0; otherwise a leaf ``-1 - (16 * first + count)``.
+    leaves : (f, 9) or (v, 3) float64
+        Corners a, b, c of each triangle, or each vertex, in the order of the leaves [m].
     """
 
     boxes: NDArray[np.float32]
     links: NDArray[np.int32]
-    triangles: NDArray[np.float64]
+    leaves: NDArray[np.float64]
 
 
 def build_bvh(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Bvh:
-    """Build the tree of a mesh.
+    """Build the tree of the triangles of a mesh.
 
     Parameters
     ----------
@@ -49,17 +52,30 @@ def build_bvh(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Bvh:
     """
     corners = np.ascontiguousarray(vertices[faces], dtype=np.float64)
     lower, upper = corners.min(axis=1), corners.max(axis=1)
-    order = np.arange(len(faces), dtype=np.int64)
-    nodes = max(1, 2 * len(faces))
+    return _tree(lower, upper, corners.reshape(-1, 9), TRIANGLES_IN_LEAF)
+
+
+def build_point_tree(points: NDArray[np.float64]) -> Bvh:
+    """Build the tree of points, shape (v, 3) [m]; at least one."""
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    return _tree(points, points, points, POINTS_IN_LEAF)
+
+
+def _tree(
+    lower: NDArray[np.float64], upper: NDArray[np.float64], leaves: NDArray[np.float64], most: int
+) -> Bvh:
+    """Build the tree of things with these bounds, at most so many in a leaf."""
+    order = np.arange(len(leaves), dtype=np.int64)
+    nodes = max(1, 2 * len(leaves))
     boxes = np.empty((nodes, 6, 2))
     links = np.zeros((nodes, 2), dtype=np.int32)
-    used = _build(lower, upper, order, boxes, links)
+    used = _build(lower, upper, order, boxes, links, most)
     packed = np.empty((used, 12), dtype=np.float32)
     for child in range(2):
         low, high = boxes[:used, :3, child], boxes[:used, 3:, child]
         packed[:, 6 * child : 6 * child + 3] = _round(low, -np.inf)
         packed[:, 6 * child + 3 : 6 * child + 6] = _round(high, np.inf)
-    return Bvh(packed, links[:used].copy(), corners[order].reshape(-1, 9))
+    return Bvh(packed, links[:used].copy(), leaves[order])
 
 
 def _round(values: NDArray[np.float64], towards: float) -> NDArray[np.float32]:
@@ -159,7 +175,7 @@ def _split(lower, upper, order, first, last, depth):
 
 
 @kernel
-def _build(lower, upper, order, boxes, links):
+def _build(lower, upper, order, boxes, links, most):
     """Fill ``boxes`` and ``links`` depth first; return the number of nodes."""
     stack = np.empty((4 * STACK, 4), dtype=np.int64)  # first, last, depth, node
     stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = 0, order.shape[0], 0, 0
@@ -168,14 +184,14 @@ def _build(lower, upper, order, boxes, links):
         top -= 1
         first, last, depth, node = stack[top]
         cut = last  # only the root of a tiny mesh is not split
-        if last - first > LEAF_SIZE:
+        if last - first > most:
             cut = _split(lower, upper, order, first, last, depth)
         for child in range(2):
             begin = first if child == 0 else cut
             end = cut if child == 0 else last
             _bounds(lower, upper, order, begin, end, boxes[node], child)
-            if end - begin <= LEAF_SIZE:
-                links[node, child] = -1 - (8 * begin + (end - begin))
+            if end - begin <= most:
+                links[node, child] = -1 - ((begin << LEAF_BITS) + (end - begin))
             else:
                 links[node, child] = used
                 stack[top, 0], stack[top, 1] = begin, end

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from igrip.entities import Vector
-from igrip.geometry import kernel
-from igrip.geometry.bvh import Bvh
+from igrip.geometry import contact, kernel
+from igrip.geometry.packed import Packed, pack
 from igrip.motion.trajectory import Motion
 from igrip.objects.model import ObjectModel
 from igrip.settings import Settings, quantity
@@ -55,8 +55,7 @@ class RayConfig(Settings):
         return self
 
 
-@dataclass(frozen=True, slots=True)
-class Placed:
+class Placed(NamedTuple):
     """An object in the world.
 
     Attributes
@@ -81,8 +80,7 @@ class Placed:
     velocity: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Geometry:
+class Geometry(NamedTuple):
     """One hand against every object, in the order of ``objects``. Arrays of shape (o,).
 
     Attributes
@@ -91,10 +89,10 @@ class Geometry:
         The objects.
     hits : int64
         Rays of the cones that meet the mesh.
-    vertex, surface : float64
-        From the hand to the nearest vertex and surface point [m].
-    future_vertex, future_surface : float64
-        The same from the barycentre of the predicted points [m].
+    vertex, future_vertex : float64
+        To the nearest vertex, from the hand and from the barycentre of its predicted points [m].
+    surface, future_surface : float64
+        The same to the nearest surface point; measured when first read [m].
     centre, centre_rate : float64
         Distance to the centre of gravity and its time derivative [m, m/s].
     axial : float64
@@ -103,50 +101,32 @@ class Geometry:
         Half the length of the bounding cylinder [m].
     spread : float
         d_max: largest distance between two centres [m]; NaN for fewer than two objects.
+    surfaces : function
+        Measures ``surface`` and ``future_surface``, shape (2, o).
     """
 
     objects: Sequence[Placed]
     hits: NDArray[np.int64]
     vertex: Array
-    surface: Array
     future_vertex: Array
-    future_surface: Array
     centre: Array
     centre_rate: Array
     axial: Array
     half_length: Array
     spread: float
+    surfaces: Callable[[], Array]
 
+    @property
+    def surface(self) -> Array:
+        """From the hand to the nearest surface point [m]."""
+        surface: Array = self.surfaces()[0]
+        return surface
 
-class Packed(NamedTuple):
-    """Trees of several meshes one after the other, replaced as a whole when a mesh is added."""
-
-    models: dict[str, ObjectModel]
-    number: dict[str, int]
-    bvh: Bvh
-    starts: NDArray[np.int64]
-    spheres: Array
-    axes: Array
-    origins: Array
-    half_lengths: Array
-
-
-def _pack(models: dict[str, ObjectModel]) -> Packed:
-    trees = [model.bvh for model in models.values()]
-    empty = Bvh(np.empty((0, 12), np.float32), np.empty((0, 2), np.int32), np.empty((0, 9)))
-    nodes = np.cumsum([0, *(len(tree.boxes) for tree in trees)])[:-1]
-    triangles = np.cumsum([0, *(len(tree.triangles) for tree in trees)])[:-1]
-    frames = [model.mesh_from_object[:3, :3] for model in models.values()]
-    return Packed(
-        models=models,
-        number={name: number for number, name in enumerate(models)},
-        bvh=Bvh(*(np.concatenate(parts) for parts in zip(empty, *trees, strict=True))),
-        starts=np.stack([nodes, triangles], axis=1).astype(np.int64),
-        spheres=np.array([model.sphere for model in models.values()]).reshape(-1, 4),
-        axes=np.array(frames).reshape(-1, 3, 3),
-        origins=np.array([model.origin for model in models.values()]).reshape(-1, 3),
-        half_lengths=np.array([0.5 * model.length for model in models.values()]),
-    )
+    @property
+    def future_surface(self) -> Array:
+        """The same from the barycentre of its predicted points [m]."""
+        ahead: Array = self.surfaces()[1]
+        return ahead
 
 
 class Scene:
@@ -172,7 +152,7 @@ class Scene:
             ]
         )  # fmt: skip
         self._pattern = ray_pattern(config.rays)
-        self._packed = _pack({})
+        self._packed = pack({})
         self.counters = np.zeros(3, dtype=np.int64)
 
     def _pack_with(self, objects: Sequence[Placed]) -> Packed:
@@ -180,7 +160,7 @@ class Scene:
         packed = self._packed
         missing = {o.model.name: o.model for o in objects if o.model.name not in packed.number}
         if missing:
-            packed = self._packed = _pack({**packed.models, **missing})
+            packed = self._packed = pack({**packed.models, **missing})
         return packed
 
     def measure(self, hands: Sequence[Motion], objects: Sequence[Placed]) -> list[Geometry]:
@@ -190,34 +170,42 @@ class Scene:
             return [_nothing() for _ in hands]
         packed = self._pack_with(objects)
         models = np.array([packed.number[o.model.name] for o in objects], dtype=np.int64)
-        centres = np.array([o.centre for o in objects])
+        poses = _rows([o.rotation for o in objects]), _rows([o.translation for o in objects])
+        centres = _rows([o.centre for o in objects])
+        positions = _rows([hand.position for hand in hands])
+        futures = _rows([hand.future for hand in hands])
         hits = np.zeros((len(hands), count), dtype=np.int64)
-        distances = np.empty((5, len(hands), count))
+        distances = np.empty((3, len(hands), count))
         centre_rates, axial = np.empty((len(hands), count)), np.empty((len(hands), count))
         kernel.measure(
-            *packed.bvh, packed.starts, packed.spheres, packed.axes, packed.origins, models,
-            np.array([o.rotation for o in objects]), np.array([o.translation for o in objects]),
-            centres, np.array([o.velocity for o in objects]),
-            np.array([hand.position for hand in hands]),
-            np.array([hand.velocity for hand in hands]),
-            np.array([hand.future for hand in hands]),
-            np.array([hand.future_velocity for hand in hands]),
+            packed.bvh, packed.vertices, packed.starts, packed.spheres, packed.axes, packed.origins,
+            models, *poses, centres, _rows([o.velocity for o in objects]),
+            positions, _rows([hand.velocity for hand in hands]),
+            futures, _rows([hand.future_velocity for hand in hands]),
             self._pattern, self._cone, hits, distances, centre_rates, axial, self.counters,
         )  # fmt: skip
+
+        @cache
+        def surfaces() -> Array:
+            out = np.empty((2, len(hands), count))
+            kernel.surfaces(
+                packed.bvh, packed.starts, models, *poses, positions, futures, out, self.counters
+            )
+            return out
+
         half_lengths, spread = packed.half_lengths[models], kernel.spread(centres)
         return [
             Geometry(
                 objects=objects,
                 hits=hits[h],
                 vertex=distances[0, h],
-                surface=distances[1, h],
-                future_vertex=distances[2, h],
-                future_surface=distances[3, h],
-                centre=distances[4, h],
+                future_vertex=distances[1, h],
+                centre=distances[2, h],
                 centre_rate=centre_rates[h],
                 axial=axial[h],
                 half_length=half_lengths,
                 spread=spread,
+                surfaces=lambda h=h: surfaces()[:, h],  # type: ignore[misc]
             )
             for h in range(len(hands))
         ]
@@ -234,8 +222,9 @@ class Scene:
         packed = self._pack_with([target])
         model = packed.number[target.model.name]
         out = np.empty(4)
-        kernel.approach(
-            *packed.bvh, packed.starts[model], target.rotation, target.translation,
+        contact.approach(
+            packed.bvh, packed.starts[model], packed.spheres[model],
+            target.rotation, target.translation,
             hand.coefficients, self._config.contact_distance, self._config.contact_horizon, out,
         )  # fmt: skip
         if math.isnan(out[0]):
@@ -258,7 +247,7 @@ class Scene:
         directions = np.empty((len(hand.future), len(self._pattern), 3))
         lengths = np.empty((len(hand.future), len(self._pattern)))
         kernel.cone_impacts(
-            *packed.bvh, packed.starts[model], packed.spheres[model], packed.axes[model],
+            packed.bvh, packed.starts[model], packed.spheres[model], packed.axes[model],
             target.rotation, target.translation, hand.future, hand.future_velocity,
             self._pattern, self._cone, directions, lengths,
         )  # fmt: skip
@@ -273,8 +262,15 @@ def ray_pattern(rays: int) -> Array:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
 
 
+def _rows(arrays: Sequence[Array]) -> Array:
+    """Return a few small arrays as one; ``np.stack`` takes several times as long."""
+    out = np.empty((len(arrays), *arrays[0].shape))
+    for row, array in enumerate(arrays):
+        out[row] = array
+    return out
+
+
 def _nothing() -> Geometry:
-    none = np.empty(0)
-    return Geometry(
-        [], np.empty(0, dtype=np.int64), none, none, none, none, none, none, none, none, math.nan
-    )
+    none, no_hits = np.empty(0), np.empty(0, dtype=np.int64)
+    pair = np.empty((2, 0))
+    return Geometry([], no_hits, none, none, none, none, none, none, math.nan, lambda: pair)

@@ -75,3 +75,28 @@ def fit_quadratic(times: Array, positions: Array, coefficients: Array) -> bool:
         coefficients[1, axis] = (c01 * y0 + c11 * y1 + c12 * y2) / determinant / span
         coefficients[2, axis] = (c02 * y0 + c12 * y1 + c22 * y2) / determinant / (span * span)
     return True
+
+
+@kernel
+def follow(coefficients: Array, steps: Array, future: Array, velocity: Array) -> float:
+    """Follow the parabola; return the speed at s = 0 [m/s].
+
+    Parameters
+    ----------
+    coefficients : (3, 3)
+        As :func:`fit_quadratic` writes them.
+    steps : (m,)
+        Times s from now on [s].
+    future, velocity : (m, 3), written
+        Position and velocity at these times [m, m/s].
+    """
+    speed2 = 0.0
+    for axis in range(3):
+        c0, c1, c2 = coefficients[0, axis], coefficients[1, axis], coefficients[2, axis]
+        speed2 += c1 * c1
+        for k in range(steps.shape[0]):
+            s = steps[k]
+            future[k, axis] = c0 + s * (c1 + s * c2)
+            velocity[k, axis] = c1 + 2.0 * s * c2
+    speed: float = np.sqrt(speed2)
+    return speed

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
-from igrip.motion.quadratic import fit_quadratic
+from igrip.motion.quadratic import fit_quadratic, follow
 from igrip.motion.reach import Reach, ReachConfig, ReachDetector
 from igrip.settings import Settings, quantity
 
@@ -30,8 +29,7 @@ class MotionConfig(Settings):
     horizon: float = quantity(0.3, "s", "time of the last predicted point", "SPEC §3", gt=0)
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """The motion of one hand at its newest sample. World frame.
 
     Attributes
@@ -79,8 +77,7 @@ class Trajectory:
     def __init__(self, config: MotionConfig) -> None:
         self._config = config
         steps = np.arange(1, config.future_points + 1) * (config.horizon / config.future_points)
-        self._powers = np.stack([np.ones_like(steps), steps, steps**2], axis=1)
-        self._slopes = np.stack([np.zeros_like(steps), np.ones_like(steps), 2.0 * steps], axis=1)
+        self._steps = steps
         self.reset()
 
     def reset(self) -> None:
@@ -112,23 +109,22 @@ class Trajectory:
         filtered = self._filter.update(t, position)
         self._append(t, filtered)
         coefficients = np.empty((3, 3))
-        window = slice(self._first, self._end)
-        if not fit_quadratic(self._times[window], self._positions[window], coefficients):
+        first, end = self._first, self._end
+        if not fit_quadratic(self._times[first:end], self._positions[first:end], coefficients):
             return None
-        velocity = coefficients[1]
-        speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2 + velocity[2] ** 2)
-        earlier = self._speeds[self._first : self._end - 1]
-        peak = float(earlier.max(initial=-1.0))
-        self._speeds[self._end - 1] = speed
+        future, future_velocity = np.empty((2, len(self._steps), 3))
+        speed = follow(coefficients, self._steps, future, future_velocity)
+        peak = max(self._speeds[first : end - 1].tolist(), default=-1.0)
+        self._speeds[end - 1] = speed
         return Motion(
             t=t,
-            position=self._positions[self._end - 1].copy(),
+            position=self._positions[end - 1].copy(),
             coefficients=coefficients,
-            velocity=velocity,
+            velocity=coefficients[1],
             speed=speed,
             window_peak_speed=peak if peak >= 0.0 else None,
-            future=self._powers @ coefficients,
-            future_velocity=self._slopes @ coefficients,
+            future=future,
+            future_velocity=future_velocity,
             reach=self._reach.update(t, filtered, speed),
         )
 

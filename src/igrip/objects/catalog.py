@@ -165,6 +165,7 @@ def _builder_digest() -> str:
     return hashlib.sha256(b"".join((here / f).read_bytes() for f in _CACHED_BY)).hexdigest()[:8]
 
 
+_TREES = ("bvh", "vertex_tree")
 _SCALARS = ("length", "radius")
 _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere")
 
@@ -174,15 +175,18 @@ def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
             fields.update({name: float(stored[name]) for name in _SCALARS})
-            bvh = Bvh(*(stored[f"bvh_{name}"] for name in Bvh._fields))
+            for tree in _TREES:
+                fields[tree] = Bvh(*(stored[f"{tree}_{name}"] for name in Bvh._fields))
     except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
         return None  # it is built again
-    return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, bvh=bvh, **fields)
+    return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, **fields)
 
 
 def _write_cache(path: Path, model: ObjectModel) -> None:
     arrays: dict[str, Any] = {name: getattr(model, name) for name in (*_ARRAYS, *_SCALARS)}
-    arrays.update({f"bvh_{name}": array for name, array in model.bvh._asdict().items()})
+    for tree in _TREES:
+        parts = getattr(model, tree)._asdict()
+        arrays.update({f"{tree}_{name}": array for name, array in parts.items()})
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")

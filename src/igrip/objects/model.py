@@ -10,7 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from igrip.errors import ObjectsError
-from igrip.geometry.bvh import Bvh, build_bvh
+from igrip.geometry.bvh import Bvh, build_bvh, build_point_tree
 
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "cylinder", "box"]
@@ -39,8 +39,8 @@ class ObjectModel:
         Centre and radius of a sphere that holds the mesh.
     symmetry : str
         ``none``, ``cylinder`` (any turn about z) or ``box`` (half turns about x, y, z).
-    bvh : Bvh
-        Tree for rays and nearest points.
+    bvh, vertex_tree : Bvh
+        Trees of its triangles and of the vertices they use.
     """
 
     name: str
@@ -53,6 +53,7 @@ class ObjectModel:
     sphere: Array
     symmetry: Symmetry
     bvh: Bvh
+    vertex_tree: Bvh
 
     @property
     def axis(self) -> Array:
@@ -117,6 +118,7 @@ def build_model(
         sphere=np.append(middle, reach * (1.0 + 1e-6) + 1e-9),
         symmetry=symmetry,
         bvh=build_bvh(vertices, faces),
+        vertex_tree=build_point_tree(vertices[used]),
     )
 
 

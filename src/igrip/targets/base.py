@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
@@ -47,10 +48,9 @@ TIE = 1e-12
 
 def best_of(scores: Scores) -> int | None:
     """Return the index of the highest score; None where it is ≤ 0 or shared (SPEC §5)."""
-    if not len(scores):
+    values = scores.tolist()  # a few numbers: plain Python is done before numpy has begun
+    highest = max(values, default=0.0)
+    if not highest > 0.0 or any(map(math.isnan, values)):
         return None
-    best = int(np.argmax(scores))
-    highest = scores[best]
-    if not highest > 0.0 or np.count_nonzero(scores >= highest - TIE) > 1:
-        return None
-    return best
+    near = [o for o, value in enumerate(values) if value >= highest - TIE]
+    return near[0] if len(near) == 1 else None

@@ -7,12 +7,22 @@ from functools import partial
 
 import numpy as np
 
+from igrip.compiled import kernel
 from igrip.cues import CUES, Cue
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
 
 METRICS = ("impacts", "distance_derivative", "distance", "future_distance")
+
+
+@kernel
+def add(part: Scores, weight: float, total: Scores) -> None:
+    """Add ``weight`` times the part to the total, in place."""
+    for o in range(len(total)):
+        total[o] += weight * part[o]
+
+
 Weights = tuple[float, float]
 """w_0 for cues of order 0 (the distances) and w_1 for those of order 1."""
 
@@ -55,7 +65,7 @@ class WeightedCues:
         total = sum(weights)
         scores = np.zeros(len(geometry.objects))
         for metric, weight in zip(self._cues, weights, strict=True):
-            scores += (weight / total) * cues[metric.name]
+            add(cues[metric.name], weight / total, scores)
         return Belief(best_of(scores), scores)
 
 

@@ -1,0 +1,72 @@
+"""When a predicted path comes within grasping distance of a mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from igrip.compiled import kernel
+from igrip.geometry.bvh import STACK
+from igrip.geometry.local import distance, distance2, to_mesh
+from igrip.geometry.nearest import nearest
+
+FAR = 0.05  # further than this from a bounding sphere the sphere will do [m]
+
+
+@kernel
+def approach(bvh, start, sphere, rotation, translation, coefficients, reach, limit, out):
+    """Find when a predicted path first comes within ``reach`` of the surface of one mesh.
+
+    Conservative advancement: within a time h the path cannot lead further than
+    ``|v| h + |c2| h²``, so a step that spends just the distance left is safe, and the first
+    crossing is not stepped over.
+
+    Parameters
+    ----------
+    bvh, start, sphere, rotation, translation
+        The mesh, its bounding sphere and its pose, as for :func:`igrip.geometry.kernel.measure`.
+    coefficients : (3, 3)
+        Path c0 + c1 s + c2 s², world frame.
+    reach, limit : float
+        Distance [m] and latest time [s].
+    out : (4,), written
+        Time [s] (NaN: not before the limit) and the nearest surface point, mesh frame [m].
+    """
+    stack = np.empty(STACK, dtype=np.int32)
+    near_stack = np.empty(STACK)
+    counters = np.zeros(3, dtype=np.int64)
+    world, p = np.empty(3), np.empty(3)
+    bend = 0.0
+    for axis in range(3):
+        bend += coefficients[2, axis] ** 2
+    bend = np.sqrt(bend)
+    s = 0.0
+    x = y = z = np.inf
+    out[0] = np.nan
+    for _ in range(100):
+        speed = 0.0
+        for axis in range(3):
+            world[axis] = coefficients[0, axis] + s * (
+                coefficients[1, axis] + s * coefficients[2, axis]
+            )
+            speed += (coefficients[1, axis] + 2.0 * s * coefficients[2, axis]) ** 2
+        speed = np.sqrt(speed)
+        to_mesh(rotation, translation, world, p)
+        # far away the gap to the sphere is nearly as long as that to the mesh, and costs no search
+        left = distance(p, sphere) - sphere[3] - reach
+        if left < FAR:
+            # what was nearest a step ago bounds what is nearest now
+            surface, x, y, z = nearest(
+                bvh.boxes, bvh.links, bvh.leaves, start[0], start[1],
+                p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
+            )  # fmt: skip
+            left = surface - reach
+            if left <= 1e-4:
+                out[0], out[1], out[2], out[3] = s, x, y, z
+                return
+        # the positive root of |c2| h² + |v| h = left, in the form that loses no digits
+        root = speed + np.sqrt(speed * speed + 4.0 * bend * left)
+        if not root > 1e-9:
+            return
+        s += 2.0 * left / root
+        if not s <= limit:
+            return
