@@ -38,17 +38,19 @@ class _Filter:
     ----------
     state : (11,) float64
         As :mod:`igrip.motion.low_pass` lays it out.
+    begun : bool
+        Whether there was a sample.
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
         self._parameters = np.array([config.min_cutoff, config.beta, config.derivative_cutoff])
         self.state: NDArray[np.float64] = np.zeros(low_pass.STATE)
-        self._begun = False
+        self.begun = False
 
     def _begin(self, t: float, value: tuple[float, ...]) -> None:
         self.state[: len(value)] = value
         self.state[low_pass.TIME] = t
-        self._begun = True
+        self.begun = True
 
     @property
     def derivative(self) -> Vector:
@@ -72,14 +74,14 @@ class PositionFilter(_Filter):
     @property
     def value(self) -> Vector | None:
         """Filtered position [m]; None before the first sample."""
-        if not self._begun:
+        if not self.begun:
             return None
         x, y, z = self.state[:3].tolist()
         return (x, y, z)
 
     def update(self, t: float, position: Vector) -> Vector:
         """Take a sample measured at ``t`` [s], later than the last; return the filtered point."""
-        if not self._begun:
+        if not self.begun:
             self._begin(t, position)
             return position
         low_pass.step_position(self.state, t, *position, self._parameters)
@@ -93,7 +95,7 @@ class OrientationFilter(_Filter):
     @property
     def value(self) -> Quaternion | None:
         """Filtered rotation, unit quaternion x, y, z, w; None before the first sample."""
-        if not self._begun:
+        if not self.begun:
             return None
         x, y, z, w = self.state[:4].tolist()
         return (x, y, z, w)
@@ -103,7 +105,7 @@ class OrientationFilter(_Filter):
         norm = math.hypot(*orientation)
         x, y, z, w = orientation
         x, y, z, w = x / norm, y / norm, z / norm, w / norm
-        if not self._begun:
+        if not self.begun:
             self._begin(t, (x, y, z, w))
             return (x, y, z, w)
         low_pass.step_orientation(self.state, t, x, y, z, w, self._parameters)

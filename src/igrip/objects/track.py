@@ -70,7 +70,7 @@ class ObjectTrack:
         """Why the object cannot be used, in words; None if it can."""
         if self._no_model is not None:
             return self._no_model
-        if self._position.value is None:
+        if not self._position.begun:
             return self._refusal or "not seen yet"
         return self._refusal or "not seen for too long" if self._late else None
 
