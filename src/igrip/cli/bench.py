@@ -92,7 +92,7 @@ def _print(report: dict[str, Any]) -> None:
     table = Table("what is aimed at", "bar", "measured", "reached")
     for row in report["bars"]:
         bar = f"≤ {row['most']:g}" if "most" in row else f"≥ {row['least']:g}"
-        table.add_row(row["what"], bar, f"{row['measured']:.3g}", "yes" if row["reached"] else "no")
+        table.add_row(row["what"], bar, f"{row['measured']:.4g}", "yes" if row["reached"] else "no")
     output.print(table)
     if "memory" in report:
         grown = report["memory"]
