@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shutil
-import time
 from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-from igrip import Estimator, load_objects
+from igrip import Config, Estimator, load_objects
+from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.simulation.demo import DemoPerson
+from igrip.viewer.grip_page import GripPage
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot, rays_of, take_snapshot
 
@@ -19,33 +20,39 @@ FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader
          "--disable-component-update", "--disable-sync"]  # fmt: skip
 
 
-def most_telling(seed: int = 0) -> tuple[Estimator, Snapshot, str]:
-    """Return the moment of the demo's first reaches with the most impacts on the right target."""
+def most_telling(seed: int = 0) -> tuple[list[Snapshot], str]:
+    """Return the demo up to the earliest moment at which the rays meet the right target."""
     catalog = load_objects("ycb")
     estimator, person = Estimator(catalog), DemoPerson(catalog, seed)
-    best: tuple[int, Snapshot | None, str] = (0, None, "")
+    moments: list[Snapshot] = []
+    most, index, words = 0.0, 0, ""
     for moment in person:
-        if moment.observation.t > 30.0:
+        if moment.observation.t > 40.0:
             break
         snapshot = take_snapshot(estimator, estimator.update(moment.observation))
-        for hand in snapshot.hands if snapshot else ():
+        if snapshot is None:
+            continue
+        moments.append(snapshot)
+        for hand in snapshot.hands:
             intention = hand.intention
             task, t = moment.task, moment.observation.t
             right = (intention.hand, intention.target) == (task.hand, task.target)
             if not (right and intention.status == "reaching" and task.onset < t < task.end):
                 continue
-            early = 0.05 < (intention.time_to_contact or 0.0) < 0.4
-            impacts = len(rays_of(estimator.scene, hand)[1])
-            if early and impacts > best[0]:
-                best = impacts, snapshot, f"{task.hand} hand to {task.target}, {task.grip} grip"
-    assert best[1] is not None
-    return estimator, best[1], best[2]
+            hits, misses = rays_of(snapshot.scene, hand)
+            pointed = len(hits) > 0.3 * (len(hits) + len(misses))
+            early = intention.time_to_contact or 0.0
+            if t > 8.0 and pointed and early > most:  # by then the time courses are long
+                most, index = early, len(moments)
+                words = f"{task.hand} hand to {task.target}, {task.grip} grip"
+    assert most > 0
+    return moments[:index], words
 
 
-def photograph(page: Page, viewer: Viewer, name: str) -> None:
+def photograph(page: Page, url: str, text: str, name: str) -> None:
     """Wait until the scene is drawn, put away the browser's remark on its GPU, and take it."""
-    page.goto(viewer.url)
-    page.get_by_text("reaches for").wait_for()
+    page.goto(url)
+    page.get_by_text(text).first.wait_for()
     page.wait_for_timeout(6000)  # software rendering
     for close in page.get_by_role("button").all():
         if close.is_visible() and not close.inner_text():
@@ -59,17 +66,20 @@ def photograph(page: Page, viewer: Viewer, name: str) -> None:
 def main() -> None:
     """Write all pictures."""
     FOLDER.mkdir(exist_ok=True)
-    estimator, snapshot, words = most_telling()
-    viewer = Viewer(estimator.scene)
+    moments, words = most_telling()
+    viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)
     viewer.note(f"### Task\n{words}")
-    viewer.show(snapshot)
-    time.sleep(1.0)
+    viewer.show_film(moments, len(moments) - 1)
+    catalog = load_objects("ycb")
+    zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_from)
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-        page = browser.new_page(viewport={"width": 1280, "height": 720})
-        photograph(page, viewer, "demo.png")
+        page = browser.new_page(viewport={"width": 1600, "height": 900})
+        photograph(page, viewer.url, "reaches for", "demo.png")
+        photograph(page, zones.url, "Grip by height", "grip_page.png")
         browser.close()
     viewer.close()
+    zones.close()
 
 
 if __name__ == "__main__":

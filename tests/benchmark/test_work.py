@@ -6,7 +6,6 @@ import pytest
 from igrip import Config, Estimator
 from igrip.benchmark import run, scenes
 from igrip.benchmark.peers import Workload
-from igrip.benchmark.timing import interleaved, milliseconds
 
 FRAMES = 300
 
@@ -59,13 +58,3 @@ def test_peers_get_the_rays_that_are_counted(ycb):
     hits = np.array(embree.cast(embree.prepare(workload)))
     ours = sum(g.hits for g in geometry)
     assert np.abs(hits - ours).max() <= 2  # single precision at the edges
-
-
-def test_interleaving_calls_each_in_turn():
-    calls = []
-    times = interleaved(
-        {"a": lambda k: calls.append(("a", k)), "b": lambda k: calls.append(("b", k))}, range(2)
-    )
-    assert calls == [("a", 0), ("b", 0), ("a", 1), ("b", 1)]
-    assert {name: len(seconds) for name, seconds in times.items()} == {"a": 2, "b": 2}
-    assert milliseconds(np.array([0.001, 0.002, 0.003]))["p50_ms"] == pytest.approx(2.0)

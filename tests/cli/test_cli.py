@@ -3,8 +3,10 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -29,7 +31,7 @@ def igrip(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]
 
 
 @pytest.mark.parametrize(
-    "command", ["bench", "demo", "doctor", "grips", "import", "replay", "schema"]
+    "command", ["bench", "demo", "doctor", "grips", "import", "replay", "schema", "view"]
 )
 def test_help_has_an_example(command: str) -> None:
     assert f"Example: igrip {command}" in igrip(command, "--help").stdout
@@ -182,3 +184,50 @@ def test_bench_of_a_few_frames() -> None:
     assert told["peers"]["ratios"]["update / embreex, rays alone"] > 0
     assert [row["case"] for row in told["growth"]["objects"]] == [1, 4, 20, 100]
     assert told["memory"]["frames"] == 100
+
+
+def visit(*arguments: object) -> str:
+    """Start a command that serves a page, get the page, and end it by Ctrl-C."""
+    with subprocess.Popen(
+        [sys.executable, "-c", "from igrip.cli import main; main()", *map(str, arguments)],
+        stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+        env={**os.environ, "COLUMNS": "160", "NO_COLOR": "1"},
+    ) as process:  # fmt: skip
+        assert process.stderr is not None
+        try:
+            lines = (re.search(r"http://localhost:\d+", line) for line in process.stderr)
+            url = next(found for found in lines if found)
+            with urllib.request.urlopen(url[0], timeout=20) as answer:
+                page: str = answer.read().decode()
+            process.send_signal(signal.SIGINT)
+            rest = process.stderr.read()
+            assert process.wait(timeout=30) == 0, rest
+            assert "stopped" in rest
+        finally:
+            process.kill()
+    return page
+
+
+def test_view_serves_a_trial_until_it_is_stopped(small_dataset: Dataset) -> None:
+    pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+    assert "<html" in visit("view", small_dataset.path, "--trial", 2, "--port", 8491)
+
+
+def test_grips_as_a_page() -> None:
+    pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+    assert "<html" in visit("grips", "--page", "--port", 8492)
+
+
+def test_view_of_what_is_not_there(small_dataset: Dataset, tmp_path: Path) -> None:
+    assert "no such file" in igrip("view", tmp_path / "none.jsonl", code=2).stderr
+    assert (
+        "trials, so none number 99"
+        in igrip("view", small_dataset.path, "--trial", 99, code=2).stderr
+    )
+    with JsonlWriter(tmp_path / "empty.jsonl") as writer:
+        writer.write(Observation(t=0.0))
+    assert "no hand is measured" in igrip("view", tmp_path / "empty.jsonl", code=2).stderr
+    assert (
+        "no targets estimator"
+        in igrip("view", small_dataset.path, "--targets", "nonsense", code=2).stderr
+    )

@@ -1,104 +1,177 @@
 """The page in a real browser, and that it never slows the estimator."""
 
 import re
-import shutil
+import threading
 import time
 from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from igrip import Estimator, load_objects
-from igrip.simulation.demo import DemoPerson
+from browser import needs_chromium, open_page
+from igrip import load_objects
 from igrip.viewer.server import Viewer
-from igrip.viewer.snapshot import Snapshot, rays_of, take_snapshot
+from igrip.viewer.snapshot import Snapshot, rays_of
+from moments import demo_moments
 
 pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
-CHROMIUM = shutil.which("chromium")
-FLAGS = [
-    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--no-first-run", "--disable-quic",
-]  # fmt: skip
 
 
-def reaching() -> tuple[Estimator, Snapshot]:
-    """Run the demo until a hand reaches with rays that meet its target."""
-    catalog = load_objects("ycb")
-    estimator = Estimator(catalog)
-    for moment in islice(DemoPerson(catalog, 0), 200):
-        snapshot = take_snapshot(estimator, estimator.update(moment.observation))
-        assert snapshot is not None
-        for hand in snapshot.hands:
-            if hand.intention.status == "reaching" and len(rays_of(estimator.scene, hand)[1]) > 20:
-                return estimator, snapshot
-    raise AssertionError("no such moment")
+@pytest.fixture(scope="module")
+def moments() -> list[Snapshot]:
+    """The demo until a hand reaches with rays that meet its target."""
+    return demo_moments(load_objects("ycb"))
 
 
 @pytest.fixture
-def viewer() -> Iterator[tuple[Viewer, Snapshot]]:
-    estimator, snapshot = reaching()
-    viewer = Viewer(estimator.scene, port=8471)
-    yield viewer, snapshot
+def viewer() -> Iterator[Viewer]:
+    viewer = Viewer(port=8471, targets="repaired", choose_targets=lambda name: None)
+    yield viewer
     viewer.close()
 
 
-def test_rays_are_those_that_were_counted() -> None:
-    estimator, snapshot = reaching()
-    for hand in snapshot.hands:
+def test_rays_are_those_that_were_counted(moments: list[Snapshot]) -> None:
+    moment = moments[-1]
+    for hand in moment.hands:
         if hand.motion is None or hand.target is None or hand.intention.status != "reaching":
             continue
-        geometry = estimator.scene.measure([hand.motion], snapshot.objects)[0]
-        index = [placed.id for placed in snapshot.objects].index(hand.target.id)
-        segments, impacts = rays_of(estimator.scene, hand)
-        assert len(impacts) == geometry.hits[index] > 20
-        assert len(segments) == 360
+        geometry = moment.scene.measure([hand.motion], moment.objects)[0]
+        index = [placed.id for placed in moment.objects].index(hand.target.id)
+        hits, misses = rays_of(moment.scene, hand)
+        assert len(hits) == geometry.hits[index] > 20
+        assert len(hits) + len(misses) == 360
         # every impact lies on the mesh: no further from a vertex than its longest edge
         model = hand.target.model
-        local = (impacts - hand.target.translation) @ hand.target.rotation
+        local = (hits[:, 1] - hand.target.translation) @ hand.target.rotation
         away = np.linalg.norm(local[:, None] - model.vertices[None], axis=2).min(axis=1)
         corners = model.vertices[model.faces]
         assert away.max() < np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
 
 
-def test_show_never_waits(viewer: tuple[Viewer, Snapshot]) -> None:
-    page, snapshot = viewer
+def test_show_never_waits(viewer: Viewer, moments: list[Snapshot]) -> None:
+    """While a drawing takes for ever, moments are dropped and counted, and nobody waits."""
+    drawing, go_on = threading.Event(), threading.Event()
+
+    def endless(*args: object) -> None:
+        drawing.set()
+        go_on.wait(20)
+
+    viewer._drawing.draw = endless  # type: ignore[method-assign]
+    viewer.show(moments[-1])
+    assert drawing.wait(10)
+    begin = time.perf_counter()
     for _ in range(2000):
-        page.show(snapshot)
+        viewer.show(moments[-1])
+    seconds = time.perf_counter() - begin
+    assert not go_on.is_set()  # all were handed over while the first was being drawn
+    go_on.set()
     deadline = time.monotonic() + 20
-    while page._newest is not None and time.monotonic() < deadline:
+    while viewer.drawn < 2 and time.monotonic() < deadline:
         time.sleep(0.01)
-    assert page.dropped > 0
-    assert page.dropped + page.drawn == pytest.approx(2000, abs=1)  # the last may still be drawn
+    assert viewer.dropped == 1999  # the newest is drawn next
+    assert viewer.drawn == 2
+    assert seconds < 10  # of 20 in which the drawing stood still
+
+
+def test_the_estimator_says_the_same_with_a_page(viewer: Viewer) -> None:
+    """The page reads what was decided; it changes nothing."""
+    alone = demo_moments(load_objects("ycb"))
+    shown = demo_moments(load_objects("ycb"), each=viewer.show)
+    says = [[h.intention for h in m.hands] for m in alone]
+    assert says == [[h.intention for h in m.hands] for m in shown]
+
+
+def test_a_moment_that_cannot_be_drawn_does_not_end_the_page(
+    viewer: Viewer, moments: list[Snapshot]
+) -> None:
+    draw = viewer._drawing.draw
+    viewer._drawing.draw = lambda *args: 1 / 0  # type: ignore[method-assign, assignment, return-value]
+    viewer.show(moments[0])
+    time.sleep(0.3)
+    viewer._drawing.draw = draw  # type: ignore[method-assign]
+    viewer.show(moments[1])
+    deadline = time.monotonic() + 20
+    while viewer.drawn < 1 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert viewer.drawn == 1
+
+
+def test_history_is_bounded(viewer: Viewer, moments: list[Snapshot]) -> None:
+    from dataclasses import replace
+
+    for k in range(5000):
+        viewer.show(replace(moments[-1], t=100.0 + k * 0.005))
+    assert len(viewer._history) <= 1000
+    viewer.show(replace(moments[-1], t=1.0))  # time began anew
+    assert len(viewer._history) == 1
 
 
 @pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium: 'make system' installs it")
-def test_what_is_on_the_page(viewer: tuple[Viewer, Snapshot], tmp_path: Path) -> None:
-    from playwright.sync_api import sync_playwright
-
-    shown, snapshot = viewer
-    shown.note("### Task\nleft hand to soup")
-    shown.show(snapshot)
-    reaching = next(h for h in snapshot.hands if h.intention.status == "reaching")
-    with sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1000, "height": 700})
-        page.goto(shown.url)
+@needs_chromium
+def test_what_is_on_the_page(viewer: Viewer, moments: list[Snapshot], tmp_path: Path) -> None:
+    viewer.note("### Task\nleft hand to soup")
+    for moment in moments:
+        viewer.show(moment)
+    reaching = next(h for h in moments[-1].hands if h.intention.status == "reaching")
+    with open_page(viewer.url) as page:
         page.get_by_text(re.compile(f"reaches for {reaching.intention.target}")).wait_for()
+        page.locator(".uplot canvas").first.wait_for()
         text = page.inner_text("body")
         assert "left hand to soup" in text
         assert f"{reaching.intention.grip} grip" in text
+        panels = ("speed [m/s]", "impacts", "distance derivative", "distance", "future distance",
+                  "global", "target", "grip")  # fmt: skip
+        for panel in panels:  # the paper's Figure 6
+            assert page.get_by_text(panel, exact=True).count() >= 1, panel
+        for id in [placed.id for placed in moments[-1].objects]:
+            assert f"■ {id}" in text  # the key of the lines
+        charts = page.locator(".uplot canvas").count()
+        assert charts == len(panels)
+        inked = page.evaluate(INK)
+        assert min(inked) > 100, inked  # every panel has lines or marks in colour
         green = 0
         deadline = time.monotonic() + 60
         while green < 300 and time.monotonic() < deadline:  # software rendering is slow to begin
             page.wait_for_timeout(500)
             page.screenshot(path=tmp_path / "page.png")
             green = target_pixels(tmp_path / "page.png")
-        browser.close()
-    assert green >= 300, "the target is not drawn in its colour"
+        assert green >= 300, "the target is not drawn in its colour"
+
+
+INK = """() => [...document.querySelectorAll('.uplot canvas')].map(canvas => {
+  const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data
+  let n = 0
+  for (let k = 0; k < pixels.length; k += 4) n += pixels[k + 3] > 128
+  return n
+})"""
+
+
+@pytest.mark.browser
+@needs_chromium
+def test_choices_on_the_page(moments: list[Snapshot]) -> None:
+    chosen: list[str] = []
+    viewer = Viewer(port=8471, targets="repaired", choose_targets=chosen.append)
+    try:
+        for moment in moments:
+            viewer.show(moment)
+        with open_page(viewer.url) as page:
+            page.locator(".uplot canvas").first.wait_for()
+            page.get_by_label("targets", exact=True).first.click()
+            page.get_by_role("option", name="paper", exact=True).click()
+            page.get_by_label("hand", exact=True).first.click()
+            page.get_by_role("option", name="right", exact=True).click()
+            page.get_by_text("panels").click()
+            before = page.locator(".uplot:visible").count()
+            page.get_by_label("impacts", exact=True).first.uncheck()
+            deadline = time.monotonic() + 20
+            while page.locator(".uplot:visible").count() == before and time.monotonic() < deadline:
+                page.wait_for_timeout(100)
+            assert page.locator(".uplot:visible").count() == before - 1
+        assert chosen == ["paper"]
+        assert viewer._choices.hand == "right"
+    finally:
+        viewer.close()
 
 
 def target_pixels(path: Path) -> int:

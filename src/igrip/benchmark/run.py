@@ -7,6 +7,7 @@ import platform
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from igrip.geometry.scene import RayConfig
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog, load_objects
 from igrip.observation import Observation
+from igrip.recording.jsonl import JsonlReader, JsonlWriter
 
 TARGETS = "paper"  # the estimator that is timed; the others differ by microseconds
 OWN = "igrip, update"
@@ -43,6 +45,9 @@ def bars(report: dict[str, Any]) -> list[dict[str, Any]]:
         {"what": "update, p50 [ms], idle machine", "most": 0.5, "measured": own["p50_ms"]},
         {"what": "update, p99 [ms], idle machine", "most": 1.0, "measured": own["p99_ms"]},
     ]
+    if "batch" in report:
+        fast = report["batch"]["times_real_time"]
+        rows.append({"what": "replay, times real time on a core", "least": 100, "measured": fast})
     if "memory" in report:
         grown = report["memory"]["growth_mb"]
         rows.append({"what": "growth of memory [MB]", "most": 1.0, "measured": grown})
@@ -218,6 +223,23 @@ def growth(catalog: Catalog, frames: int, turn: int = 1) -> dict[str, list[dict[
             "rays": compare({n: case(catalog, rays=n) for n in (12, 36, 108)}),
             "faces": compare({n: case(balls, models=[name]) for n, name in spheres.items()}),
         }
+
+
+def batch(catalog: Catalog, frames: int) -> dict[str, float]:
+    """Time a replay as ``igrip replay`` does it: messages from a file, one hand, four objects."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "batch.jsonl"
+        with JsonlWriter(path) as writer:
+            for observation in scenes.frames(frames, hands=1):
+                writer.write(observation)
+        estimator = Estimator(catalog, Config(targets=TARGETS))
+        run_frames(estimator, scenes.frames(WARM_UP, hands=1))
+        begin = time.perf_counter()
+        estimator = Estimator(catalog, Config(targets=TARGETS))
+        for observation in JsonlReader(path):
+            estimator.update(observation)
+        seconds = time.perf_counter() - begin
+    return {"frames": frames, "seconds": seconds, "times_real_time": frames / scenes.RATE / seconds}
 
 
 def _work(counters: Any) -> dict[str, float]:

@@ -44,6 +44,8 @@ def bench(
         report["cadence_30_hz"] = run.at_cadence(catalog, cadence)
         status.update("timing with more objects, rays and faces …")
         report["growth"] = run.growth(catalog, frames, turn)
+        status.update("replaying a recording …")
+        report["batch"] = run.batch(catalog, 10 * frames)
         if memory_frames:
             status.update("running for the memory …")
             report["memory"] = run.memory(catalog, memory_frames)

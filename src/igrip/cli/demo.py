@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Annotated
 
 import typer
@@ -17,7 +17,7 @@ from igrip.config import Config
 from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.objects.catalog import load_objects
+from igrip.objects.catalog import Catalog, load_objects
 from igrip.simulation.demo import DemoPerson, Moment, Task
 from igrip.simulation.tally import Tally
 from igrip.viewer.server import Viewer
@@ -55,13 +55,13 @@ def demo(
         catalog = load_objects("ycb")
         person = DemoPerson(catalog, seed)
         _warm_up(person, Estimator(catalog, config))
-    estimator = Estimator(catalog, config)
-    viewer = None if headless else _open_viewer(estimator, port)
+    wanted = [config.targets]  # the page may ask for another
+    viewer = None if headless else _open_viewer(config.targets, wanted.append, port)
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
     tally = Tally()
     try:
         moments = _paced(_until(person, duration, endless), speed)
-        _run(moments, estimator, viewer, tally, quiet=as_json)
+        _run(moments, _estimators(catalog, wanted), viewer, tally, quiet=as_json)
     except KeyboardInterrupt:
         errors.print("stopped")
     finally:
@@ -81,9 +81,19 @@ def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
             return
 
 
-def _open_viewer(estimator: Estimator, port: int) -> Viewer | None:
+def _estimators(catalog: Catalog, wanted: list[str]) -> Iterator[Estimator]:
+    """Give the estimator at work, again and again; a new one when another is wanted."""
+    name = None
+    while True:
+        if wanted[-1] != name:
+            name = wanted[-1]
+            estimator = Estimator(catalog, Config(targets=name))
+        yield estimator
+
+
+def _open_viewer(targets: str, choose: Callable[[str], None], port: int) -> Viewer | None:
     try:
-        viewer = Viewer(estimator.scene, port=port)
+        viewer = Viewer(port=port, targets=targets, choose_targets=choose)
     except MissingExtraError as error:
         errors.print(f"{error}; going on without the page", style="yellow")
         return None
@@ -117,7 +127,7 @@ def _paced(moments: Iterator[Moment], speed: float) -> Iterator[Moment]:
 
 def _run(
     moments: Iterator[Moment],
-    estimator: Estimator,
+    estimators: Iterator[Estimator],
     viewer: Viewer | None,
     tally: Tally,
     quiet: bool,
@@ -128,7 +138,7 @@ def _run(
         live.start()
     try:
         task: Task | None = None
-        for moment in moments:
+        for moment, estimator in zip(moments, estimators, strict=False):
             if moment.task is not task:
                 task = moment.task
                 if viewer is not None:

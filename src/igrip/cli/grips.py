@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from igrip.cli.console import output, print_json
+from igrip.cli.console import errors, output, print_json
 from igrip.config import Config
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
+from igrip.viewer.grip_page import GripPage
 from igrip.viewer.grip_zones import draw_grip_zones
 
 
@@ -23,6 +25,10 @@ def grips(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Write the picture here (.png, .svg).")
     ] = None,
+    page: Annotated[
+        bool, typer.Option("--page", help="Show them in the browser until Ctrl-C.")
+    ] = False,
+    port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
     """Say, and draw, from which height on each object is pinched.
@@ -38,6 +44,18 @@ def grips(
         draw_grip_zones(chosen, pinch_from, out)
     if as_json:
         print_json({"pinch_from_half_lengths": pinch_from, "border_m": borders})
-        return
-    for name, border in borders.items():
-        output.print(f"{name}: pinch beyond {1e3 * border:.1f} mm from the middle")
+    else:
+        for name, border in borders.items():
+            output.print(f"{name}: pinch beyond {1e3 * border:.1f} mm from the middle")
+    if page:
+        _serve(GripPage(chosen, pinch_from, port=port))
+
+
+def _serve(page: GripPage) -> None:
+    errors.print(f"The grip zones are at {page.url}; Ctrl-C ends")
+    try:
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        errors.print("stopped")
+    finally:
+        page.close()

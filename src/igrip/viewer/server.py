@@ -1,6 +1,6 @@
-"""The scene in a browser, by viser: what was decided, drawn beside the estimator.
+"""The page in the browser, by viser: what was decided, drawn beside the estimator.
 
-The estimator hands over one snapshot at a time and never waits: while one is drawn, newer ones
+The estimator hands over one moment at a time and never waits: while one is drawn, newer ones
 replace each other, and the older are dropped and counted.
 """
 
@@ -8,46 +8,49 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterator
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
-from urllib.parse import quote
 
-import numpy as np
 import rich
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from igrip.errors import MissingExtraError
-from igrip.geometry.scene import Placed, Scene
-from igrip.viewer.snapshot import HandSnapshot, Snapshot, rays_of
+from igrip.viewer.choices import Choices
+from igrip.viewer.courses import CoursesPanels, courses_of
+from igrip.viewer.drawing import SceneDrawing
+from igrip.viewer.snapshot import Snapshot
 from igrip.words import describe
 
 log = logging.getLogger(__name__)
 
-COLOURS = (
-    (236, 140, 60), (220, 70, 60), (240, 200, 70), (90, 150, 210), (110, 180, 110), (170, 120, 200),
-)  # fmt: skip
-TARGET = (60, 200, 90)
-HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
-PAST, FUTURE, IMPACT, RAY = (200, 60, 60), (40, 160, 60), (220, 30, 200), (90, 90, 100)
-DRAWN = 3  # one ray in three is drawn: all of them would hide what they point at
+HISTORY = 10.0  # seconds of time courses
+MOST_MOMENTS = 1000  # kept for them, whatever the rate
+COURSES_EVERY = 0.25  # seconds between two drawings of the time courses
+KEY = (
+    "Large spheres: hands. Small red ones: where a hand was; green: where it is expected in the "
+    "next 0.3 s. Lines: rays towards the target; magenta: where they meet it."
+)
 
 
 class Viewer:
-    """A page with the live scene.
+    """A page with the scene and the time courses.
 
     Parameters
     ----------
-    scene : Scene
-        The estimator's geometry, whose rays are drawn.
     host, port : str, int
         Where to listen; the next free port is taken where this one is not.
+    targets : str, optional
+        Name of the estimator that is at work.
+    choose_targets : function, optional
+        Called, from another thread, with the name that a person chooses on the page. Without it
+        there is no such choice.
 
     Attributes
     ----------
-    dropped : int
-        Snapshots that were replaced by newer ones before they were drawn.
+    drawn, dropped : int
+        Moments that were drawn, and that were replaced by newer ones before they could be.
 
     Raises
     ------
@@ -55,21 +58,26 @@ class Viewer:
         If viser is not installed.
     """
 
-    def __init__(self, scene: Scene, host: str = "127.0.0.1", port: int = 8080) -> None:
-        try:
-            import viser
-        except ImportError as error:
-            raise MissingExtraError("viser", "viewer", "the scene in the browser") from error
-        self._scene = scene
-        with _quiet():
-            self._server: Any = viser.ViserServer(host, port, label="igrip", verbose=False)
-        self._handles: dict[str, Any] = {}
+    def __init__(
+        self,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        targets: str | None = None,
+        choose_targets: Callable[[str], None] | None = None,
+    ) -> None:
+        self._server: Any = open_server(host, port)
         self._newest: Snapshot | None = None
+        self._history: deque[Snapshot] = deque(maxlen=MOST_MOMENTS)
         self._wake = threading.Condition()
         self._closed = False
-        self.dropped = 0
-        self.drawn = 0
-        self._prepare()
+        self.dropped = self.drawn = 0
+        gui = self._server.gui
+        self._note = gui.add_markdown("")
+        self._words = gui.add_markdown("*no hand yet*")
+        self._drawing = SceneDrawing(self._server)
+        self._choices = Choices(self._server, targets, choose_targets, self._again)
+        self._courses = CoursesPanels(self._server)
+        gui.add_markdown(KEY)
         self._thread = threading.Thread(target=self._run, name="igrip-viewer", daemon=True)
         self._thread.start()
 
@@ -78,14 +86,38 @@ class Viewer:
         """Address of the page."""
         return f"http://localhost:{self._server.get_port()}"
 
-    def show(self, snapshot: Snapshot | None) -> None:
+    @property
+    def server(self) -> Any:
+        """The viser server, to add controls."""
+        return self._server
+
+    def show(self, moment: Snapshot | None) -> None:
         """Hand over the newest moment; returns at once."""
-        if snapshot is None:
+        if moment is None:
             return
         with self._wake:
-            self.dropped += self._newest is not None
-            self._newest = snapshot
-            self._wake.notify()
+            if self._history and moment.t < self._history[-1].t:
+                self._history.clear()
+            self._history.append(moment)
+            while moment.t - self._history[0].t > HISTORY:
+                self._history.popleft()
+            self._put(moment)
+
+    def show_film(self, moments: Sequence[Snapshot], index: int) -> None:
+        """Show one moment of a film, with the time courses up to it; returns at once."""
+        first = index
+        while first > max(0, index + 1 - MOST_MOMENTS) and (
+            moments[index].t - moments[first - 1].t <= HISTORY
+        ):
+            first -= 1
+        with self._wake:
+            self._history.clear()
+            self._history.extend(moments[first : index + 1])
+            self._put(moments[index])
+
+    def note(self, text: str) -> None:
+        """Show a line of text above the hands, for example the task of a demo."""
+        self._note.content = text
 
     def close(self) -> None:
         """Stop drawing and close the page's server."""
@@ -93,132 +125,92 @@ class Viewer:
             self._closed = True
             self._wake.notify()
         self._thread.join(timeout=5.0)
-        with _quiet():
+        with quiet():
             self._server.stop()
 
-    def note(self, text: str) -> None:
-        """Show a line of text above the hands, for example the task of a demo."""
-        self._handles["note"].content = text
+    def _put(self, moment: Snapshot) -> None:
+        self.dropped += self._newest is not None
+        self._newest = moment
+        self._wake.notify()
 
-    def _prepare(self) -> None:
-        server = self._server
-        server.gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
-        server.gui.set_panel_label("igrip")
-        server.scene.set_up_direction("+z")
-        server.scene.add_grid(
-            "/table", width=1.6, height=1.6, cell_size=0.1, section_size=0.4,
-            cell_color=(225, 222, 214), section_color=(205, 200, 190),
-            plane_color=(245, 243, 238), plane_opacity=1.0, shadow_opacity=0.2,
-        )  # fmt: skip
-        server.initial_camera.position = (-0.36, -0.38, 0.52)
-        server.initial_camera.look_at = (0.03, 0.3, 0.05)
-        self._handles["note"] = server.gui.add_markdown("")
-        self._handles["words"] = server.gui.add_markdown("*no hand yet*")
-        server.gui.add_markdown(
-            "Large spheres: hands. Small red: where a hand was; green: where it is expected in the "
-            "next 0.3 s. Lines: some of the rays towards the target; magenta: where they meet it."
-        )
+    def _again(self) -> None:
+        """Draw the last moment again, since something else of it is wanted."""
+        with self._wake:
+            if self._history and self._newest is None:
+                self._newest = self._history[-1]
+                self._wake.notify()
 
     def _run(self) -> None:
+        courses_due, stale = 0.0, False
         while True:
             with self._wake:
-                self._wake.wait_for(lambda: self._closed or self._newest is not None)
+                self._wake.wait_for(
+                    lambda: self._closed or self._newest is not None,
+                    max(0.01, courses_due - time.monotonic()) if stale else None,
+                )
                 if self._closed:
                     return
-                snapshot, self._newest = self._newest, None
-            assert snapshot is not None
+                moment, self._newest = self._newest, None
+                due = time.monotonic() >= courses_due
+                history = list(self._history) if due else []
+            stale = not due
+            if due:
+                courses_due = time.monotonic() + COURSES_EVERY
             try:
                 with self._server.atomic():
-                    self._draw(snapshot)
+                    if moment is not None:
+                        self._draw(moment)
+                        self.drawn += 1
+                    self._draw_courses(history)
             except Exception:  # a moment that cannot be drawn must not end the page
-                log.exception("a moment at t = %.3f s was not drawn", snapshot.t)
-            self.drawn += 1
+                log.exception("a moment was not drawn")
 
-    def _draw(self, snapshot: Snapshot) -> None:
-        targets = {
-            hand.target.id for hand in snapshot.hands
-            if hand.target is not None and hand.intention.status == "reaching"
-        }  # fmt: skip
-        for index, placed in enumerate(snapshot.objects):
-            self._draw_object(placed, index, placed.id in targets)
-        present = {_path("objects", placed.id) for placed in snapshot.objects}
-        for name, handle in self._handles.items():
-            if name.startswith("/objects/"):
-                handle.visible = name.removesuffix("/label") in present
-        for hand in snapshot.hands:
-            self._draw_hand(hand)
-        lines = [f"- {describe(hand.intention)}" for hand in snapshot.hands]
-        self._handles["words"].content = f"**t = {snapshot.t:.2f} s**\n\n" + "\n".join(lines)
+    def _draw(self, moment: Snapshot) -> None:
+        self._choices.offer([hand.intention.hand for hand in moment.hands])
+        self._drawing.draw(moment, self._choices.rays, self._choices.hand)
+        lines = [f"- {describe(hand.intention)}" for hand in moment.hands]
+        self._words.content = f"**t = {moment.t:.2f} s**\n\n" + "\n".join(lines)
 
-    def _draw_object(self, placed: Placed, index: int, is_target: bool) -> None:
-        name = _path("objects", placed.id)
-        colour = TARGET if is_target else COLOURS[index % len(COLOURS)]
-        if name not in self._handles:
-            self._handles[name] = self._server.scene.add_mesh_simple(
-                name, placed.model.vertices.astype(np.float32), placed.model.faces, color=colour
-            )
-            self._handles[f"{name}/label"] = self._server.scene.add_label(
-                f"{name}/label", placed.id, position=tuple(_top(placed)), anchor="bottom-center"
-            )
-        handle = self._handles[name]
-        handle.wxyz = _wxyz(placed.rotation)
-        handle.position = placed.translation
-        if tuple(handle.color) != colour:
-            handle.color = colour
+    def _draw_courses(self, history: Sequence[Snapshot]) -> None:
+        hand = self._choices.hand or _busiest(history)
+        if hand is not None:
+            courses = courses_of(history, hand)
+            self._choices.offer_panels(list(courses.panels))
+            self._courses.show(courses, self._drawing.colours, self._choices.hidden)
 
-    def _draw_hand(self, hand: HandSnapshot) -> None:
-        id = hand.intention.hand
-        path = _path("hands", id)
-        colour = HANDS.get(id, (120, 120, 120))
-        reaching = hand.intention.status == "reaching"
-        ball = self._handle(
-            f"{path}/palm",
-            lambda name: self._server.scene.add_icosphere(name, radius=0.025, color=colour),
-        )
-        ball.visible = len(hand.past) > 0
-        if len(hand.past):
-            ball.position = hand.past[-1]
-        moving = hand.motion is not None and reaching
-        future = hand.motion.future if hand.motion is not None and moving else np.empty((0, 3))
-        segments, impacts = rays_of(self._scene, hand) if moving else (np.empty((0, 2, 3)),) * 2
-        self._points(f"{path}/past", hand.past[:-1], PAST, 0.012)
-        self._points(f"{path}/future", future, FUTURE, 0.014)
-        self._points(f"{path}/impacts", impacts.reshape(-1, 3), IMPACT, 0.006)
-        self._lines(f"{path}/rays", segments[::DRAWN])
 
-    def _points(
-        self, name: str, points: NDArray[np.float64], colour: tuple[int, ...], size: float
-    ) -> None:
-        handle = self._handle(
-            name,
-            lambda name: self._server.scene.add_point_cloud(
-                name, np.zeros((1, 3), np.float32), colour, point_size=size,
-                point_shape="sparkle" if size < 0.01 else "circle", precision="float32",
-            ),
-        )  # fmt: skip
-        handle.visible = len(points) > 0
-        if len(points):
-            handle.points = points.astype(np.float32)
+def _busiest(history: Sequence[Snapshot]) -> str | None:
+    """Return the hand that reached last, or any."""
+    hand = None
+    for moment in reversed(history):
+        for shown in moment.hands:
+            if shown.intention.status in ("reaching", "holding"):
+                return shown.intention.hand
+            hand = hand or shown.intention.hand
+    return hand
 
-    def _lines(self, name: str, segments: NDArray[np.float64]) -> None:
-        handle = self._handle(
-            name,
-            lambda name: self._server.scene.add_line_segments(
-                name, np.zeros((1, 2, 3), np.float32), RAY, thickness=1.0, thickness_units="screen"
-            ),
-        )
-        handle.visible = len(segments) > 0
-        if len(segments):
-            handle.points = segments.astype(np.float32)
 
-    def _handle(self, name: str, make: Any) -> Any:
-        if name not in self._handles:
-            self._handles[name] = make(name)
-        return self._handles[name]
+def open_server(host: str, port: int) -> Any:
+    """Return a viser server with the project's looks.
+
+    Raises
+    ------
+    MissingExtraError
+        If viser is not installed.
+    """
+    try:
+        import viser
+    except ImportError as error:
+        raise MissingExtraError("viser", "viewer", "the scene in the browser") from error
+    with quiet():
+        server = viser.ViserServer(host, port, label="igrip", verbose=False)
+    server.gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
+    server.gui.set_panel_label("igrip")
+    return server
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Keep viser's banners off standard output, where a program may read our answer."""
     console = rich.get_console()
     before, console.quiet = console.quiet, True
@@ -226,20 +218,3 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         console.quiet = before
-
-
-def _path(kind: str, id: str) -> str:
-    """Return a name in the page's tree; an id may hold any character, a slash among them."""
-    return f"/{kind}/{quote(id, safe='')}"
-
-
-def _top(placed: Placed) -> NDArray[np.float64]:
-    """Return the end of the object's cylinder that is higher in the world, mesh frame [m]."""
-    model = placed.model
-    up = 1.0 if (placed.rotation @ model.axis)[2] >= 0.0 else -1.0
-    return model.origin + up * (0.5 * model.length + 0.01) * model.axis
-
-
-def _wxyz(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
-    return np.array([w, x, y, z])

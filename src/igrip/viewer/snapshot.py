@@ -51,11 +51,14 @@ class Snapshot:
         The usable objects.
     hands : sequence of HandSnapshot
         The hands that were decided for.
+    scene : Scene
+        The geometry that their rays were cast in.
     """
 
     t: float
     objects: Sequence[Placed]
     hands: Sequence[HandSnapshot]
+    scene: Scene
 
 
 def take_snapshot(estimator: Estimator, intentions: Sequence[Intention]) -> Snapshot | None:
@@ -72,26 +75,26 @@ def take_snapshot(estimator: Estimator, intentions: Sequence[Intention]) -> Snap
         target = by_id.get(intention.target) if intention.target else None
         motion = track.motion if known else None
         hands.append(HandSnapshot(intention, track.trajectory.past, motion, target))
-    return Snapshot(intentions[0].t, objects, hands)
+    return Snapshot(intentions[0].t, objects, hands, estimator.scene)
 
 
 def rays_of(scene: Scene, hand: HandSnapshot) -> tuple[Array, Array]:
-    """Return the rays towards the target as segments, and where they meet it.
+    """Return the rays towards the target as segments.
 
     Returns
     -------
-    segments : (n, 2, 3)
-        From each predicted point to the impact, or a fixed length where there is none [m].
-    impacts : (m, 3)
-        Points on the target [m].
+    hits, misses : (n, 2, 3), (m, 2, 3)
+        From each predicted point to the impact on the target, or over a fixed length where there is
+        none [m].
     """
     if hand.motion is None or hand.target is None:
-        return np.empty((0, 2, 3)), np.empty((0, 3))
+        return np.empty((0, 2, 3)), np.empty((0, 2, 3))
     directions, lengths = scene.impacts(hand.motion, hand.target)
     norms = np.linalg.norm(directions, axis=2)
     meets = np.isfinite(lengths)
     reach = np.where(meets, lengths, RAY_LENGTH / norms)
     origins = np.broadcast_to(hand.motion.future[:, None, :], directions.shape)
     ends = origins + directions * reach[:, :, None]
+    segments = np.stack([origins, ends], axis=2)
     drawn = np.isfinite(norms)
-    return np.stack([origins[drawn], ends[drawn]], axis=1), ends[meets]
+    return segments[drawn & meets], segments[drawn & ~meets]

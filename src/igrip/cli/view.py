@@ -1,0 +1,116 @@
+"""``igrip view``: a recording in the browser, to be played, stepped and searched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from igrip.cli.console import errors, progress
+from igrip.config import Config
+from igrip.errors import RecordingError
+from igrip.objects.catalog import Catalog, load_objects
+from igrip.observation import Observation
+from igrip.recording.dataset import Dataset
+from igrip.sources.base import open_source
+from igrip.targets import TARGETS
+from igrip.viewer.film import Player, make_film
+from igrip.viewer.server import Viewer
+from igrip.viewer.snapshot import Snapshot
+
+
+def view(
+    recording: Annotated[Path, typer.Argument(help="A recording (.jsonl), or a dataset's folder.")],
+    trial: Annotated[
+        int, typer.Option(help="Of a dataset: which row of trials.tsv, from 1 on.", min=1)
+    ] = 1,
+    targets: Annotated[
+        str | None, typer.Option(help="Targets estimator. Default: the library's.")
+    ] = None,
+    objects: Annotated[
+        list[str] | None,
+        typer.Option(help="Where models come from, in place of the dataset's own or of ycb."),
+    ] = None,
+    begin: Annotated[float, typer.Option(help="From this time of the recording on [s].")] = 0.0,
+    duration: Annotated[
+        float, typer.Option(help="At most so many seconds: all of them are kept in memory.", min=0.0)
+    ] = 600.0,
+    port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
+) -> None:
+    """Look at a recording in the browser: play, pause, step, and go to any moment.
+
+    Another estimator, hand or panel is chosen on the page. Ctrl-C ends.
+
+    Example: igrip view near-far --trial 12
+    """
+    config = Config(targets=targets) if targets else Config()
+    TARGETS.get(config.targets)
+    path, catalog = _open(recording, trial, objects or [])
+    observations = _read(path, begin, duration)
+    film = _film(path.name, observations, catalog, config)
+
+    def choose(name: str) -> None:
+        viewer.note(f"### {path.name}\nrunning {name} …")
+        player.take(make_film(observations, catalog, Config(targets=name)))
+        viewer.note(_title(path, name))
+
+    viewer = Viewer(port=port, targets=config.targets, choose_targets=choose)
+    viewer.note(_title(path, config.targets))
+    player = Player(viewer, film)
+    errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
+    try:
+        player.run()
+    except KeyboardInterrupt:
+        errors.print("stopped")
+    finally:
+        viewer.close()
+
+
+def _title(path: Path, targets: str) -> str:
+    return f"### {path.name}\nby {targets}"
+
+
+def _open(recording: Path, trial: int, objects: list[str]) -> tuple[Path, Catalog]:
+    """Return the recording to look at, and the models of its objects."""
+    if not recording.is_dir():
+        if not recording.exists():
+            raise RecordingError(f"{recording}: no such file or folder")
+        return recording, load_objects(*(objects or ["ycb"]))
+    dataset = Dataset.open(recording)
+    if trial > len(dataset.trials):
+        raise RecordingError(
+            f"{recording} has {len(dataset.trials)} trials, so none number {trial}"
+        )
+    path = dataset.recording(dataset.trials[trial - 1])
+    return path, load_objects(*(objects or dataset.objects))
+
+
+def _read(path: Path, begin: float, duration: float) -> list[Observation]:
+    """Return the messages between two times of a recording, counted from its first message."""
+    messages: list[Observation] = []
+    first: float | None = None
+    for observation in open_source(path):
+        first = observation.t if first is None else first
+        if observation.t - first > begin + duration:
+            errors.print(f"{path.name} goes on; --begin and --duration choose what is shown")
+            break
+        if observation.t - first >= begin or observation.objects:
+            messages.append(observation)
+    return messages
+
+
+def _film(
+    name: str, observations: list[Observation], catalog: Catalog, config: Config
+) -> list[Snapshot]:
+    with progress() as bar:
+        task = bar.add_task(f"running {config.targets} over {name}", total=len(observations))
+
+        def counted(observation: Observation) -> Observation:
+            bar.advance(task)
+            return observation
+
+        film = make_film(map(counted, observations), catalog, config)
+    if not film:
+        raise RecordingError(f"{name}: no hand is measured in it, so there is nothing to show")
+    return film

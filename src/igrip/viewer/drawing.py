@@ -1,0 +1,173 @@
+"""A moment drawn in three dimensions: objects, hands, paths, rays (paper: Figure 4B)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from igrip.geometry.scene import Placed
+from igrip.viewer.snapshot import HandSnapshot, Snapshot, rays_of
+
+COLOURS = (
+    (236, 140, 60), (220, 70, 60), (240, 200, 70), (80, 175, 185), (150, 110, 80), (130, 100, 180),
+    (110, 130, 90), (150, 150, 150),
+)  # fmt: skip
+TARGET = (60, 200, 90)
+HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
+PAST, FUTURE, IMPACT = (200, 60, 60), (40, 160, 60), (220, 30, 200)
+HIT, MISS = (215, 120, 205), (175, 175, 185)
+DRAWN = 2  # one ray in two is drawn: all of them would hide what they point at
+
+
+class SceneDrawing:
+    """Draws moments into a viser server.
+
+    Attributes
+    ----------
+    colours : dict
+        Colour of each object that was drawn, by id, red, green, blue in 0-255.
+    """
+
+    def __init__(self, server: Any) -> None:
+        self._scene = server.scene
+        self._handles: dict[str, Any] = {}
+        self.colours: dict[str, tuple[int, int, int]] = {}
+        self._scene.set_up_direction("+z")
+        self._scene.add_grid(
+            "/table", width=1.6, height=1.6, cell_size=0.1, section_size=0.4,
+            cell_color=(222, 219, 211), section_color=(200, 196, 186),
+            plane_color=(245, 243, 238), plane_opacity=1.0, shadow_opacity=0.35,
+        )  # fmt: skip
+        server.initial_camera.position = (-0.33, -0.25, 0.47)
+        server.initial_camera.look_at = (0.09, 0.27, 0.05)
+
+    def draw(self, snapshot: Snapshot, rays: bool = True, only: str | None = None) -> None:
+        """Draw a moment.
+
+        Parameters
+        ----------
+        snapshot : Snapshot
+            What to draw.
+        rays : bool
+            Whether rays and impacts are shown.
+        only : str, optional
+            The hand whose path and rays are shown; by default those of all.
+        """
+        targets = {
+            hand.target.id for hand in snapshot.hands
+            if hand.target is not None and hand.intention.status in ("reaching", "holding")
+            and only in (None, hand.intention.hand)
+        }  # fmt: skip
+        for placed in snapshot.objects:
+            self._draw_object(placed, placed.id in targets)
+        present = {_path("objects", placed.id) for placed in snapshot.objects}
+        present |= {_path("hands", hand.intention.hand) for hand in snapshot.hands}
+        for name, handle in self._handles.items():
+            if "/".join(name.split("/")[:3]) not in present:
+                handle.visible = False
+        for hand in snapshot.hands:
+            shown = only in (None, hand.intention.hand)
+            self._draw_hand(snapshot, hand, shown, shown and rays)
+
+    def _draw_object(self, placed: Placed, is_target: bool) -> None:
+        name = _path("objects", placed.id)
+        own = self.colours.setdefault(placed.id, COLOURS[len(self.colours) % len(COLOURS)])
+        colour = TARGET if is_target else own
+        mesh = self._handle(
+            name,
+            lambda: self._scene.add_mesh_simple(
+                name, placed.model.vertices.astype(np.float32), placed.model.faces, color=colour
+            ),
+        )
+        label = self._handle(
+            f"{name}/label",
+            lambda: self._scene.add_label(
+                f"{name}/label", placed.id, position=tuple(_top(placed)), anchor="bottom-center"
+            ),
+        )
+        mesh.visible = label.visible = True
+        mesh.wxyz = _wxyz(placed.rotation)
+        mesh.position = placed.translation
+        if tuple(mesh.color) != colour:
+            mesh.color = colour
+
+    def _draw_hand(self, snapshot: Snapshot, hand: HandSnapshot, shown: bool, rays: bool) -> None:
+        id = hand.intention.hand
+        path = _path("hands", id)
+        ball = self._handle(
+            f"{path}/palm",
+            lambda: self._scene.add_icosphere(
+                f"{path}/palm", radius=0.022, color=HANDS.get(id, (120, 120, 120))
+            ),
+        )
+        label = self._handle(
+            f"{path}/label",
+            lambda: self._scene.add_label(f"{path}/label", id, anchor="bottom-center"),
+        )
+        ball.visible = label.visible = len(hand.past) > 0
+        if len(hand.past):
+            ball.position = hand.past[-1]
+            label.position = hand.past[-1] + np.array([0.0, 0.0, 0.03])
+        moving = hand.motion is not None and hand.intention.status == "reaching" and shown
+        future = hand.motion.future if hand.motion is not None and moving else np.empty((0, 3))
+        hits, misses = (
+            rays_of(snapshot.scene, hand) if moving and rays else (np.empty((0, 2, 3)),) * 2
+        )
+        self._points(f"{path}/past", hand.past[:-1] if shown else hand.past[:0], PAST, 0.006)
+        self._points(f"{path}/future", future, FUTURE, 0.010)
+        self._points(f"{path}/impacts", hits[:, 1], IMPACT, 0.005)
+        self._lines(f"{path}/hits", hits[::DRAWN], HIT)
+        self._lines(f"{path}/misses", misses[::DRAWN], MISS)
+
+    def _points(
+        self, name: str, points: NDArray[np.float64], colour: tuple[int, ...], size: float
+    ) -> None:
+        handle = self._handle(
+            name,
+            lambda: self._scene.add_point_cloud(
+                name, np.zeros((1, 3), np.float32), colour, point_size=size, point_shape="circle",
+                precision="float32",
+            ),
+        )  # fmt: skip
+        handle.visible = len(points) > 0
+        if len(points):
+            handle.points = points.astype(np.float32)
+
+    def _lines(self, name: str, segments: NDArray[np.float64], colour: tuple[int, ...]) -> None:
+        handle = self._handle(
+            name,
+            lambda: self._scene.add_line_segments(
+                name, np.zeros((1, 2, 3), np.float32), colour, thickness=1.0,
+                thickness_units="screen",
+            ),
+        )  # fmt: skip
+        handle.visible = len(segments) > 0
+        if len(segments):
+            handle.points = segments.astype(np.float32)
+
+    def _handle(self, name: str, make: Callable[[], Any]) -> Any:
+        if name not in self._handles:
+            self._handles[name] = make()
+        return self._handles[name]
+
+
+def _path(kind: str, id: str) -> str:
+    """Return a name in the page's tree; an id may hold any character, a slash among them."""
+    return f"/{kind}/{quote(id, safe='')}"
+
+
+def _top(placed: Placed) -> NDArray[np.float64]:
+    """Return the end of the object's cylinder that is higher in the world, mesh frame [m]."""
+    model = placed.model
+    up = 1.0 if (placed.rotation @ model.axis)[2] >= 0.0 else -1.0
+    return model.origin + up * (0.5 * model.length + 0.01) * model.axis
+
+
+def _wxyz(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    return np.array([w, x, y, z])

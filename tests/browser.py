@@ -1,0 +1,33 @@
+"""A real browser: Debian's Chromium, driven by Playwright, rendering in software."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+CHROMIUM = shutil.which("chromium")
+FLAGS = [
+    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--no-first-run", "--disable-quic",
+]  # fmt: skip
+needs_chromium = pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium: 'make system' installs it"
+)
+
+
+@contextmanager
+def open_page(url: str) -> Iterator[Any]:
+    """Open an address in a browser of its own."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        page = browser.new_page(viewport={"width": 1100, "height": 1600})
+        page.goto(url)
+        yield page
+        browser.close()
