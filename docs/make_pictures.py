@@ -29,9 +29,8 @@ def most_telling(seed: int = 0) -> tuple[list[Snapshot], str]:
     for moment in person:
         if moment.observation.t > 40.0:
             break
-        snapshot = take_snapshot(estimator, estimator.update(moment.observation))
-        if snapshot is None:
-            continue
+        estimator.update(moment.observation)
+        snapshot = take_snapshot(estimator)
         moments.append(snapshot)
         for hand in snapshot.hands:
             intention = hand.intention
@@ -68,7 +67,7 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     moments, words = most_telling()
     viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)
-    viewer.note(f"### Task\n{words}")
+    viewer.note("Task", words)
     viewer.show_film(moments, len(moments) - 1)
     catalog = load_objects("ycb")
     zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_from)

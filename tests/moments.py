@@ -17,8 +17,8 @@ def demo_moments(
     """Run the demo until a hand reaches with rays that meet its target."""
     estimator, moments = Estimator(catalog), []
     for frame in islice(DemoPerson(catalog, 0), 200):
-        moment = take_snapshot(estimator, estimator.update(frame.observation))
-        assert moment is not None
+        estimator.update(frame.observation)
+        moment = take_snapshot(estimator)
         moments.append(moment)
         each(moment)
         for hand in moment.hands:

@@ -9,7 +9,7 @@ from igrip.config import Config
 from igrip.cues import CUES
 from igrip.geometry.scene import Geometry, Placed, Scene
 from igrip.grips import GRIPS, Grip
-from igrip.intention import Intention, Status
+from igrip.intention import Intention
 from igrip.motion.hand import HandTrack
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
@@ -52,7 +52,7 @@ class Estimator:
         self._new_targets = TARGETS.get(config.targets)
         self._grips = GRIPS.get(config.grips)(config.grip)
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
-        self._statuses: dict[str, Status] = {}
+        self._latest: dict[str, Intention] = {}
 
     def update(self, observation: Observation) -> list[Intention]:
         """Take one message.
@@ -97,6 +97,16 @@ class Estimator:
     def hands(self) -> dict[str, HandTrack]:
         """The hands that are followed, by id; to be read, not written."""
         return dict(self._world.hands)
+
+    @property
+    def t(self) -> float:
+        """Time of the newest message [s]."""
+        return self._world.t
+
+    @property
+    def latest(self) -> dict[str, Intention]:
+        """The newest intention of each hand that is followed, by id; some from earlier messages."""
+        return dict(self._latest)
 
     @property
     def scene(self) -> Scene:
@@ -157,14 +167,15 @@ class Estimator:
     ) -> list[Intention]:
         """Add the hands without an answer that were measured or whose status changed."""
         now = self._world.t
-        for id in self._statuses.keys() - self._world.hands.keys():  # forgotten by the world
-            del self._statuses[id]
+        for id in self._latest.keys() - self._world.hands.keys():  # forgotten by the world
+            del self._latest[id]
             self._targets.pop(id, None)
         for id, hand in self._world.hands.items():
-            changed = hand.status != self._statuses.get(id)
+            before = self._latest.get(id)
+            changed = before is None or hand.status != before.status
             if id not in answered and (changed or hand in measured):
                 answered[id] = Intention(
                     t=now, hand=id, status=hand.status, reason=hand.reason(now)
                 )
-            self._statuses[id] = hand.status
+        self._latest.update(answered)
         return [answered[id] for id in sorted(answered)]

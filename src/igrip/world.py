@@ -139,6 +139,7 @@ class World:
             "objects": {
                 id: {
                     "model": track.model_name,
+                    "known": track.model is not None,
                     "usable": track.reason is None,
                     "reason": track.reason or track.fault,
                     "age": _age(self.t, track),

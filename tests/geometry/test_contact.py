@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from igrip import load_objects
 from igrip.geometry import contact
 from igrip.geometry.scene import RayConfig
 from oracle import cones, meshes
@@ -130,6 +131,22 @@ def test_straight_approach_by_hand(shapes):
     s, *point = approach(shapes[BOX], c)
     assert s == pytest.approx((0.4 - REACH) / 0.4, abs=1e-3)
     assert point == pytest.approx([0.0, 0.0, 0.105])
+
+
+@pytest.mark.parametrize("slope", [0.005, 0.02, 0.04, 0.06, 0.2])
+def test_a_shallow_approach_is_found(slope):
+    """Along a large flat thing conservative steps become ever shorter."""
+    [model] = [load_objects("box:0.6x0.4x0.05")["box:0.6x0.4x0.05"]]
+    gap, speed = 0.004, 0.3
+    down = slope * speed
+    top = 0.025 + REACH + gap
+    c = np.array([[-0.25, 0.0, top], [speed, 0.0, -down], [0.0, 0.0, 0.0]])
+    expected = gap / down
+    s = approach(model, c)[0]
+    if expected < 0.5 / speed:  # before the path has passed the far edge
+        assert s == pytest.approx(expected, abs=0.02 if slope < 0.02 else 5e-3 + 1e-4 / down)
+    else:
+        assert math.isnan(s)
 
 
 def test_defaults_of_the_rays_are_those_of_the_specification():

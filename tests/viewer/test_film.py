@@ -14,9 +14,10 @@ from browser import needs_chromium, open_page
 from igrip import Config, Estimator
 from igrip.recording.jsonl import JsonlReader, JsonlWriter
 from igrip.simulation.demo import DemoPerson
-from igrip.viewer.film import Player, Playhead, make_film
+from igrip.viewer.film import Cutter, Player, Playhead, make_film
 from igrip.viewer.server import Viewer
 
+pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
 TIMES = st.lists(st.floats(0.0, 100.0), min_size=1, max_size=20, unique=True).map(sorted)
 
 
@@ -83,7 +84,13 @@ def test_a_film_holds_what_the_estimator_says(recording, ycb):
     film = make_film(JsonlReader(recording), ycb, Config(targets="paper"))
     estimator = Estimator(ycb, Config(targets="paper"))
     said = [estimator.update(observation) for observation in JsonlReader(recording)]
-    assert [[h.intention for h in moment.hands] for moment in film] == [s for s in said if s]
+    assert [
+        [h.intention for h in moment.hands if h.intention.t == moment.t] for moment in film
+    ] == said
+    later = make_film(JsonlReader(recording), ycb, Config(targets="paper"), begin=2.0)
+    assert later[0].t == pytest.approx(2.0, abs=1 / 30)
+    says = [[h.intention for h in moment.hands] for moment in film if moment.t >= 2.0]
+    assert [[h.intention for h in moment.hands] for moment in later] == says
 
 
 @pytest.mark.browser
@@ -134,6 +141,33 @@ def test_playing_on_the_page(recording, ycb):
         end.set()
         thread.join()
         viewer.close()
+
+
+def test_the_estimator_that_was_wanted_last_is_shown():
+    begun, go_on, said = threading.Event(), threading.Event(), []
+
+    def make(name):
+        begun.set()
+        if name == "slow":
+            go_on.wait(10)
+        return [name]
+
+    films, done = [], threading.Event()
+
+    def take(film):
+        films.append(film)
+        done.set()
+
+    cutter = Cutter(make)
+    cutter.start(take, said.append)
+    cutter.want("slow")
+    assert begun.wait(10)
+    cutter.want("other")
+    cutter.want("quick")
+    go_on.set()
+    assert done.wait(10)
+    assert films == [["quick"]]
+    assert said[:2] == ["running slow …", "running quick …"]
 
 
 def test_another_film_goes_on_where_the_last_one_stood(recording, ycb):

@@ -46,7 +46,8 @@ def test_memory_with_the_page_open(ycb):
                 wait = begin + moment.observation.t - time.monotonic()
                 late += wait < -0.1
                 time.sleep(max(0.0, wait))
-                viewer.show(take_snapshot(estimator, estimator.update(moment.observation)))
+                estimator.update(moment.observation)
+                viewer.show(take_snapshot(estimator))
                 frames += 1
                 if moment.observation.t >= 60.0 * (minute + 1):
                     minute += 1

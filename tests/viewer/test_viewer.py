@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -110,7 +111,7 @@ def test_history_is_bounded(viewer: Viewer, moments: list[Snapshot]) -> None:
 @pytest.mark.browser
 @needs_chromium
 def test_what_is_on_the_page(viewer: Viewer, moments: list[Snapshot], tmp_path: Path) -> None:
-    viewer.note("### Task\nleft hand to soup")
+    viewer.note("Task", "left hand to soup")
     for moment in moments:
         viewer.show(moment)
     reaching = next(h for h in moments[-1].hands if h.intention.status == "reaching")
@@ -145,6 +146,45 @@ INK = """() => [...document.querySelectorAll('.uplot canvas')].map(canvas => {
   for (let k = 0; k < pixels.length; k += 4) n += pixels[k + 3] > 128
   return n
 })"""
+
+
+def test_what_comes_and_goes_is_forgotten(viewer: Viewer, moments: list[Snapshot]) -> None:
+    """A tracker that numbers its things anew must not fill the page."""
+    from dataclasses import replace
+
+    body, hand = moments[-1].objects[0], moments[-1].hands[0]
+    for k in range(120):
+        said = msgspec.structs.replace(hand.intention, hand=f"hand{k}")
+        hands = [replace(hand, intention=said)]
+        moment = Snapshot(0.5 * k, [body._replace(id=f"thing{k}")], hands, moments[-1].scene)
+        viewer._drawing.draw(moment)
+    assert len(viewer._drawing._handles) <= 9 * 22  # of the last ten seconds
+    assert len(viewer._drawing.colours) <= 22
+    viewer._drawing.draw(replace(moment, t=0.0, objects=[], hands=[]))  # time began anew
+    assert not viewer._drawing._handles
+
+
+@pytest.mark.browser
+@needs_chromium
+def test_names_from_outside_are_shown_and_not_obeyed(moments: list[Snapshot]) -> None:
+    from dataclasses import replace
+
+    bad = "x<iframe srcdoc=\"<script>parent.document.title='taken'</script>\"></iframe>*y*"
+    hand = next(h for h in moments[-1].hands if h.intention.status == "reaching")
+    said = msgspec.structs.replace(hand.intention, hand=f"<b>{bad}", target=bad)
+    viewer = Viewer(port=8471)
+    try:
+        viewer.note("Task", bad)
+        viewer.show(replace(moments[-1], hands=[replace(hand, intention=said)]))
+        with open_page(viewer.url) as page:
+            page.get_by_text("reaches for").wait_for()
+            page.wait_for_timeout(1000)
+            assert page.title() != "taken"
+            text = page.inner_text("body")
+            assert text.count(bad) >= 2
+            assert page.locator("iframe").count() == 0
+    finally:
+        viewer.close()
 
 
 @pytest.mark.browser

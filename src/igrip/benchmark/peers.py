@@ -70,10 +70,18 @@ class Embree:
         """Return the rays in the form embreex takes; not part of what is timed."""
         return [(o.astype(np.float32), d.astype(np.float32)) for o, d in workload.rays]
 
-    def cast(self, rays: Sequence[tuple[NDArray[np.float32], NDArray[np.float32]]]) -> list[int]:
-        """Return how many rays meet each object."""
+    def cast(
+        self,
+        rays: Sequence[tuple[NDArray[np.float32], NDArray[np.float32]]],
+        query: str = "INTERSECT",
+    ) -> list[int]:
+        """Return how many rays meet each object.
+
+        By default embree's nearest hit, which is what its Python users get; ``OCCLUDED`` asks only
+        whether there is one (0 yes, -1 no).
+        """
         return [
-            int(np.count_nonzero(scene.run(origins, directions) >= 0))
+            int(np.count_nonzero(scene.run(origins, directions, query=query) >= 0))
             for scene, (origins, directions) in zip(self._scenes, rays, strict=True)
         ]
 
@@ -81,7 +89,7 @@ class Embree:
 class EmbreeNumpy:
     """A frame as one would write it with numpy, embreex and scipy: fit, cones, rays, vertices.
 
-    It leaves out what the estimator does besides: filters, surface distances, cues, target, grip,
+    It leaves out what the estimator does besides: filters, cues, target, grip,
     time to contact, and the checks of its input.
     """
 

@@ -17,6 +17,7 @@ from igrip.benchmark import scenes
 from igrip.benchmark.peers import Embree, EmbreeNumpy, PlainTrimesh, Workload
 from igrip.benchmark.timing import interleaved, milliseconds
 from igrip.config import Config
+from igrip.cues import CueConfig
 from igrip.estimator import Estimator
 from igrip.geometry.scene import RayConfig
 from igrip.motion.trajectory import Motion
@@ -26,6 +27,7 @@ from igrip.recording.jsonl import JsonlReader, JsonlWriter
 
 TARGETS = "paper"  # the estimator that is timed; the others differ by microseconds
 OWN = "igrip, update"
+BY_SURFACE = "igrip, update with distances to surfaces"
 WARM_UP = 40  # frames before the clock runs: the window is full, and the code compiled
 Step = Callable[[str], None]
 
@@ -42,8 +44,8 @@ def bars(report: dict[str, Any]) -> list[dict[str, Any]]:
         {"what": "update / embreex, rays alone", "most": 2.5},
         {"what": "trimesh without embree, rays alone / update", "least": 50.0},
         {"what": "100 objects / 4 objects", "most": 12.0, "measured": objects[100] / objects[4]},
-        {"what": "update, p50 [ms], idle machine", "most": 0.5, "measured": own["p50_ms"]},
-        {"what": "update, p99 [ms], idle machine", "most": 1.0, "measured": own["p99_ms"]},
+        {"what": "update, p50 [ms], if idle", "most": 0.5, "measured": own["p50_ms"]},
+        {"what": "update, p99 [ms], if idle", "most": 1.0, "measured": own["p99_ms"]},
     ]
     if "batch" in report:
         fast = report["batch"]["times_real_time"]
@@ -57,16 +59,20 @@ def bars(report: dict[str, Any]) -> list[dict[str, Any]]:
             row["reached"] = (
                 row["measured"] <= row["most"] if "most" in row else row["measured"] >= row["least"]
             )
+        if row["what"].endswith("if idle") and not report["machine"]["idle"]:
+            row["reached"] = None
     return [row for row in rows if row["measured"] is not None]
 
 
 def machine() -> dict[str, Any]:
-    """Return what the times were taken on."""
+    """Return what the times are taken on, and whether it is idle before it all begins."""
+    load = list(os.getloadavg()) if hasattr(os, "getloadavg") else None
     return {
         "platform": platform.platform(),
         "python": platform.python_version(),
         "processors": os.cpu_count(),
-        "load_average": list(os.getloadavg()) if hasattr(os, "getloadavg") else None,
+        "load_average": load,
+        "idle": load is None or load[0] < 0.5 * (os.cpu_count() or 1),
     }
 
 
@@ -85,11 +91,13 @@ def against_peers(
 ) -> dict[str, Any]:
     """Time ``update`` beside other engines at the same frames, in turn; the best of several runs.
 
-    Two hands, the paper's four objects, 10 predicted points × 36 rays, both distances. The rays of
+    Two hands, the paper's four objects, 10 predicted points × 36 rays, the distance of the
+    hand and of its predicted points to the nearest vertex. The rays of
     the other engines are prepared beforehand: only the casting is timed.
     """
     observations = scenes.frames(WARM_UP + frames)
     config = Config(targets=TARGETS)
+    surface = Config(targets=TARGETS, cues=CueConfig(distance="surface"))
     recorder = Estimator(catalog, config)
     workloads, windows = _record(recorder, observations)
     objects = recorder.objects
@@ -99,6 +107,9 @@ def against_peers(
         embree, whole = Embree(objects), EmbreeNumpy(objects, config.rays.rays, 0.3, 10)
         rays = [embree.prepare(workload) if workload else [] for workload in workloads]
         peers["embreex, rays alone"] = lambda k: embree.cast(rays[k]) if rays[k] else None
+        peers["embreex, whether rays meet"] = lambda k: (
+            embree.cast(rays[k], "OCCLUDED") if rays[k] else None
+        )
         peers["embreex + numpy + scipy, frame"] = lambda k: whole.frame(windows[k])
     except ImportError as error:
         missing.append(str(error))
@@ -107,8 +118,12 @@ def against_peers(
         estimator = Estimator(catalog, config)
         for observation in observations[:WARM_UP]:
             estimator.update(observation)
+        by_surface = Estimator(catalog, surface)
+        for observation in observations[:WARM_UP]:
+            by_surface.update(observation)
         contestants: dict[str, Callable[[int], object]] = {
-            OWN: lambda k, e=estimator: e.update(observations[k])  # type: ignore[misc]
+            OWN: lambda k, e=estimator: e.update(observations[k]),  # type: ignore[misc]
+            BY_SURFACE: lambda k, e=by_surface: e.update(observations[k]),  # type: ignore[misc]
         }
         times = interleaved(contestants | peers, range(WARM_UP, WARM_UP + frames), turn)
         table.append({name: milliseconds(seconds) for name, seconds in times.items()})
@@ -166,7 +181,7 @@ def _ratios_of_runs(runs: Sequence[dict[str, Any]]) -> dict[str, list[float]]:
     return {
         f"update / {name}": [run[OWN]["p50_ms"] / run[name]["p50_ms"] for run in runs]
         for name in runs[0]
-        if name != OWN
+        if name not in (OWN, BY_SURFACE)
     }
 
 
@@ -174,8 +189,8 @@ def _ratios(runs: Sequence[dict[str, Any]], plain: dict[str, float] | None) -> d
     """Return the best ratio of medians to each peer."""
     ratios = {name: min(values) for name, values in _ratios_of_runs(runs).items()}
     if plain is not None:
-        fastest = min(run[OWN]["p50_ms"] for run in runs)
-        ratios["trimesh without embree, rays alone / update"] = plain["p50_ms"] / fastest
+        usual = float(np.median([run[OWN]["p50_ms"] for run in runs]))
+        ratios["trimesh without embree, rays alone / update"] = plain["p50_ms"] / usual
     return ratios
 
 
@@ -261,8 +276,9 @@ def memory(catalog: Catalog, frames: int) -> dict[str, Any]:
         message = base[k]
         moved = Observation(message.t + turn * length, message.hands, message.objects)
         estimator.update(moved)
-        if number in (frames // 2, frames - 1):
+        if number == frames // 2:
             sizes.append(_resident())
+    sizes.append(_resident())
     return {"frames": frames, "growth_mb": sizes[1] - sizes[0], "resident_mb": sizes[1]}
 
 

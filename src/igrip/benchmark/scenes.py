@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
@@ -37,14 +38,12 @@ def frames(
         Of places and noise.
     """
     random = np.random.default_rng(seed)
-    side = max(1, math.ceil(math.sqrt(objects)))
-    places = [
-        np.array([0.25 * (k % side - 0.5 * (side - 1)), 0.35 + 0.25 * (k // side), 0.0])
-        for k in range(objects)
-    ]
+    # the first four never move: the hands reach for two of them, whatever stands around
+    cells = sorted(product(range(-6, 8), range(-1, 13)), key=_ring)[:objects]
+    places = [np.array([0.25 * (i - 0.5), 0.35 + 0.25 * j, 0.0]) for i, j in cells]
     turns = random.uniform(-math.pi, math.pi, objects)
     starts = [np.array([0.3 * (h - 0.5 * (hands - 1)), 0.0, 0.05]) for h in range(hands)]
-    goals = [places[h % objects] + [0.0, 0.0, 0.1] for h in range(hands)]
+    goals = [places[h % min(objects, 2)] + [0.0, 0.0, 0.1] for h in range(hands)]
     messages = []
     for k in range(count):
         part = np.array([1.0 - abs(1.0 - (k % 72) / 36.0)])  # there in 1.2 s and back
@@ -69,3 +68,9 @@ def frames(
             )
         )
     return messages
+
+
+def _ring(cell: tuple[int, int]) -> tuple[int, int, int]:
+    """Order cells of the table by how far they are from the four in its middle."""
+    i, j = cell
+    return max(abs(2 * i - 1), abs(2 * j - 1)), j, i

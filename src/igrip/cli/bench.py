@@ -12,6 +12,8 @@ from igrip.benchmark import picture, run
 from igrip.cli.console import errors, output, print_json
 from igrip.objects.catalog import load_objects
 
+VERDICTS = {True: "yes", False: "no", None: "not judged: the machine is not idle"}
+
 
 def bench(
     frames: Annotated[int, typer.Option(help="Frames of each run.", min=20)] = 300,
@@ -32,7 +34,7 @@ def bench(
     """Measure the speed of `update` here: ratios of medians, taken in turn in one run.
 
     Beside it, where they are installed (pip install 'igrip[bench]'): the same rays by embreex
-    alone, a frame by embreex + numpy + scipy, and trimesh without embree.
+    alone, a frame by embreex + numpy + scipy, and, afterwards, trimesh without embree.
 
     Example: igrip bench --runs 5 --memory-frames 200000 --plot bench.png
     """
@@ -94,7 +96,7 @@ def _print(report: dict[str, Any]) -> None:
     table = Table("what is aimed at", "bar", "measured", "reached")
     for row in report["bars"]:
         bar = f"≤ {row['most']:g}" if "most" in row else f"≥ {row['least']:g}"
-        table.add_row(row["what"], bar, f"{row['measured']:.4g}", "yes" if row["reached"] else "no")
+        table.add_row(row["what"], bar, f"{row['measured']:.4g}", VERDICTS[row["reached"]])
     output.print(table)
     if "memory" in report:
         grown = report["memory"]

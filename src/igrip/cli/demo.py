@@ -142,11 +142,11 @@ def _run(
             if moment.task is not task:
                 task = moment.task
                 if viewer is not None:
-                    viewer.note(f"### Task\n{_task_words(task)}")
+                    viewer.note("Task", _task_words(task))
             intentions = estimator.update(moment.observation)
             line = tally.take(moment, intentions)
             if viewer is not None:
-                viewer.show(take_snapshot(estimator, intentions))
+                viewer.show(take_snapshot(estimator))
             if on_screen:
                 live.update(_screen(moment, intentions, tally))
             if line and not quiet:

@@ -15,7 +15,7 @@ from igrip.observation import Observation
 from igrip.recording.dataset import Dataset
 from igrip.sources.base import open_source
 from igrip.targets import TARGETS
-from igrip.viewer.film import Player, make_film
+from igrip.viewer.film import Cutter, Player, make_film
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot
 
@@ -34,7 +34,8 @@ def view(
     ] = None,
     begin: Annotated[float, typer.Option(help="From this time of the recording on [s].")] = 0.0,
     duration: Annotated[
-        float, typer.Option(help="At most so many seconds: all of them are kept in memory.", min=0.0)
+        float,
+        typer.Option(help="At most so many seconds; all are kept in memory.", min=0.0),
     ] = 600.0,
     port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
 ) -> None:
@@ -47,17 +48,13 @@ def view(
     config = Config(targets=targets) if targets else Config()
     TARGETS.get(config.targets)
     path, catalog = _open(recording, trial, objects or [])
-    observations = _read(path, begin, duration)
-    film = _film(path.name, observations, catalog, config)
-
-    def choose(name: str) -> None:
-        viewer.note(f"### {path.name}\nrunning {name} …")
-        player.take(make_film(observations, catalog, Config(targets=name)))
-        viewer.note(_title(path, name))
-
-    viewer = Viewer(port=port, targets=config.targets, choose_targets=choose)
-    viewer.note(_title(path, config.targets))
+    observations = _read(path, begin + duration)
+    film = _film(path.name, observations, catalog, config, begin)
+    cutter = Cutter(lambda name: make_film(observations, catalog, Config(targets=name), film[0].t))
+    viewer = Viewer(port=port, targets=config.targets, choose_targets=cutter.want)
+    viewer.note(path.name, f"by {config.targets}")
     player = Player(viewer, film)
+    cutter.start(player.take, lambda text: viewer.note(path.name, text))
     errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
     try:
         player.run()
@@ -65,10 +62,6 @@ def view(
         errors.print("stopped")
     finally:
         viewer.close()
-
-
-def _title(path: Path, targets: str) -> str:
-    return f"### {path.name}\nby {targets}"
 
 
 def _open(recording: Path, trial: int, objects: list[str]) -> tuple[Path, Catalog]:
@@ -86,22 +79,19 @@ def _open(recording: Path, trial: int, objects: list[str]) -> tuple[Path, Catalo
     return path, load_objects(*(objects or dataset.objects))
 
 
-def _read(path: Path, begin: float, duration: float) -> list[Observation]:
-    """Return the messages between two times of a recording, counted from its first message."""
+def _read(path: Path, until: float) -> list[Observation]:
+    """Return the messages of a recording up to a time, counted from its first message [s]."""
     messages: list[Observation] = []
-    first: float | None = None
     for observation in open_source(path):
-        first = observation.t if first is None else first
-        if observation.t - first > begin + duration:
+        if messages and observation.t - messages[0].t > until:
             errors.print(f"{path.name} goes on; --begin and --duration choose what is shown")
             break
-        if observation.t - first >= begin or observation.objects:
-            messages.append(observation)
+        messages.append(observation)
     return messages
 
 
 def _film(
-    name: str, observations: list[Observation], catalog: Catalog, config: Config
+    name: str, observations: list[Observation], catalog: Catalog, config: Config, begin: float
 ) -> list[Snapshot]:
     with progress() as bar:
         task = bar.add_task(f"running {config.targets} over {name}", total=len(observations))
@@ -110,7 +100,8 @@ def _film(
             bar.advance(task)
             return observation
 
-        film = make_film(map(counted, observations), catalog, config)
-    if not film:
-        raise RecordingError(f"{name}: no hand is measured in it, so there is nothing to show")
+        first = observations[0].t + begin if observations else 0.0
+        film = make_film(map(counted, observations), catalog, config, first)
+    if not any(moment.hands for moment in film):
+        raise RecordingError(f"{name}: no hand is measured in this part, so nothing can be shown")
     return film

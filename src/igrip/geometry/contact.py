@@ -9,6 +9,8 @@ from igrip.geometry.bvh import STACK
 from igrip.geometry.local import distance, distance2, to_mesh
 from igrip.geometry.nearest import nearest
 
+STEPS = 400  # a path is followed in steps of at least this part of the horizon
+NEAR = 1e-4  # of the reach: this near is there [m]
 FAR = 0.05  # further than this from a bounding sphere the sphere will do [m]
 
 
@@ -42,7 +44,9 @@ def approach(bvh, start, sphere, rotation, translation, coefficients, reach, lim
     s = 0.0
     x = y = z = np.inf
     out[0] = np.nan
-    for _ in range(100):
+    least = limit / STEPS
+    outside, inside = 0.0, np.inf  # between these times the border is crossed
+    while True:
         speed = 0.0
         for axis in range(3):
             world[axis] = coefficients[0, axis] + s * (
@@ -60,13 +64,21 @@ def approach(bvh, start, sphere, rotation, translation, coefficients, reach, lim
                 p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
             )  # fmt: skip
             left = surface - reach
-            if left <= 1e-4:
+        if left <= NEAR:
+            inside = s
+            if left >= 0.0 or inside - outside <= 1e-3 * least:
                 out[0], out[1], out[2], out[3] = s, x, y, z
                 return
+        else:
+            outside = s
+        if inside < np.inf:  # a least step led too far in: back to the border
+            s = 0.5 * (outside + inside)
+            continue
         # the positive root of |c2| h² + |v| h = left, in the form that loses no digits
         root = speed + np.sqrt(speed * speed + 4.0 * bend * left)
         if not root > 1e-9:
             return
-        s += 2.0 * left / root
+        # a shallow approach would creep, each step a part of the last
+        s += max(2.0 * left / root, least)
         if not s <= limit:
             return

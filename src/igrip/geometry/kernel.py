@@ -1,4 +1,4 @@
-"""The one compiled kernel of a frame: every hand against every object."""
+"""The measurements of a frame: every hand against every object, compiled."""
 
 from __future__ import annotations
 

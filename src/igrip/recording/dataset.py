@@ -40,6 +40,8 @@ class Trial:
         Whether the task was done, and which trial this one repeats.
     extra : mapping of str to str
         Further columns.
+    problem : str or None
+        What is wrong with the row, where the table was read leniently.
     """
 
     recording: str
@@ -56,9 +58,10 @@ class Trial:
     performed: str | None = None
     repeat_of: str | None = None
     extra: Mapping[str, str] = field(default_factory=dict)
+    problem: str | None = None
 
 
-COLUMNS = tuple(f.name for f in fields(Trial) if f.name != "extra")
+COLUMNS = tuple(f.name for f in fields(Trial) if f.name not in ("extra", "problem"))
 _NUMBERS = ("onset_s", "end_s")
 
 
@@ -95,8 +98,15 @@ class Dataset:
         return tuple(str(self.path / s) if (self.path / s).is_dir() else str(s) for s in named)
 
     @classmethod
-    def open(cls, path: str | Path) -> Dataset:
+    def open(cls, path: str | Path, lenient: bool = False) -> Dataset:
         """Read a dataset's description and table of trials.
+
+        Parameters
+        ----------
+        path : str or Path
+            Its folder.
+        lenient : bool
+            Whether a bad number in a row becomes the ``problem`` of that row, instead of an error.
 
         Raises
         ------
@@ -105,7 +115,7 @@ class Dataset:
         """
         folder = Path(path)
         description = _read_description(folder / "dataset.json")
-        return cls(folder, description, _read_trials(folder / "trials.tsv"))
+        return cls(folder, description, _read_trials(folder / "trials.tsv", lenient))
 
     def recording(self, trial: Trial) -> Path:
         """Return the file of a trial's recording.
@@ -189,6 +199,7 @@ class DatasetWriter:
         for trial in self._trials:
             row = asdict(trial)
             row.update(row.pop("extra"))
+            row.pop("problem")
             rows.append(row)
         _write_table(self.path / "trials.tsv", [*COLUMNS, *more], rows)
         known = dict(participants or {})
@@ -243,22 +254,24 @@ def _read_description(path: Path) -> Mapping[str, Any]:
     return description
 
 
-def _read_trials(path: Path) -> Sequence[Trial]:
+def _read_trials(path: Path, lenient: bool) -> Sequence[Trial]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file, delimiter="\t")
             if "recording" not in (reader.fieldnames or ()):
                 raise DatasetError(f"{path}: has no column 'recording'")
-            return tuple(_trial(path, number, row) for number, row in enumerate(reader, start=2))
+            rows = enumerate(reader, start=2)
+            return tuple(_trial(path, number, row, lenient) for number, row in rows)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise DatasetError(f"{path}: {error}") from error
 
 
-def _trial(path: Path, number: int, row: Mapping[str | None, Any]) -> Trial:
+def _trial(path: Path, number: int, row: Mapping[str | None, Any], lenient: bool) -> Trial:
     if None in row:
         raise DatasetError(f"{path}, line {number}: has more fields than the header")
     values: dict[str, Any] = {}
     extra: dict[str, str] = {}
+    problem: str | None = None
     for name, text in row.items():
         if name is None or text is None or text == "":
             continue
@@ -268,7 +281,8 @@ def _trial(path: Path, number: int, row: Mapping[str | None, Any]) -> Trial:
             except ValueError:
                 values[name] = math.nan
             if not math.isfinite(values[name]):
-                raise DatasetError(f"{path}, line {number}, {name}: {text!r} is no time")
+                problem = f"{path}, line {number}, {name}: {text!r} is no time"
+                del values[name]
         elif name in COLUMNS:
             values[name] = text
         else:
@@ -276,5 +290,7 @@ def _trial(path: Path, number: int, row: Mapping[str | None, Any]) -> Trial:
     if "recording" not in values:
         raise DatasetError(f"{path}, line {number}: recording is empty")
     if values.get("onset_s", -math.inf) >= values.get("end_s", math.inf):
-        raise DatasetError(f"{path}, line {number}: the movement ends before it begins")
-    return Trial(**values, extra=extra)
+        problem = f"{path}, line {number}: the movement ends before it begins"
+    if problem and not lenient:
+        raise DatasetError(problem)
+    return Trial(**values, extra=extra, problem=problem)

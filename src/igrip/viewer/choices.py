@@ -66,11 +66,10 @@ class Choices:
         return [name for name, box in self._panels.items() if not box.value]
 
     def offer(self, hands: Sequence[str]) -> None:
-        """Let these hands be chosen, besides those that were offered before."""
-        known = list(self._hand.options)
-        new = [hand for hand in hands if hand not in known]
-        if new:
-            self._hand.options = (*known, *new)
+        """Let these hands be chosen, and the one that is."""
+        options = (ALL, *sorted({*hands} | ({self._hand.value} - {ALL})))
+        if options != tuple(self._hand.options):
+            self._hand.options = options
 
     def offer_panels(self, names: Sequence[str]) -> None:
         """Let these panels be shown or hidden."""

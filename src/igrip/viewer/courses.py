@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.intention import Intention
 from igrip.viewer.snapshot import Snapshot
 
 Array = NDArray[np.float64]
@@ -39,33 +41,43 @@ class Courses(NamedTuple):
 
 
 def courses_of(moments: Sequence[Snapshot], hand: str) -> Courses:
-    """Gather the time courses of one hand from successive moments."""
-    seen = {placed.id: None for moment in moments for placed in moment.objects}
-    objects = tuple(seen)[:MOST_OBJECTS]
-    scores = [
-        name for moment in moments for h in moment.hands for row in h.intention.scores.values()
-        for name in row
+    """Gather the time courses of one hand from the successive moments at which it was answered."""
+    own = [
+        (moment.t, shown) for moment in moments for shown in moment.hands
+        if shown.intention.hand == hand and shown.intention.t == moment.t
     ]  # fmt: skip
-    n = len(moments)
+    objects = _chosen([shown.intention for _, shown in own])
+    names = dict.fromkeys(
+        name for _, shown in own for name in next(iter(shown.intention.scores.values()), ())
+    )
+    n = len(own)
     panels = {SPEED: np.full((1, n), np.nan)}
-    panels |= {name: np.full((len(objects), n), np.nan) for name in dict.fromkeys(scores)}
+    panels |= {name: np.full((len(objects), n), np.nan) for name in names}
     panels |= {TARGET: np.full((len(objects), n), np.nan), GRIP: np.full((len(GRIPS), n), np.nan)}
-    for k, moment in enumerate(moments):
-        for shown in moment.hands:
-            intention = shown.intention
-            if intention.hand != hand:
-                continue
-            if shown.motion is not None:
-                panels[SPEED][0, k] = shown.motion.speed
-            for o, id in enumerate(objects):
-                for name, value in intention.scores.get(id, {}).items():
-                    panels[name][o, k] = value
-                if intention.target == id:
-                    panels[TARGET][o, k] = o + 1
-            for g, grip in enumerate(GRIPS):
-                if intention.grip == grip:
-                    panels[GRIP][g, k] = g + 1
-    return Courses(np.array([moment.t for moment in moments]), objects, panels)
+    for k, (_, shown) in enumerate(own):
+        intention = shown.intention
+        if shown.motion is not None:
+            panels[SPEED][0, k] = shown.motion.speed
+        for o, id in enumerate(objects):
+            for name, value in intention.scores.get(id, {}).items():
+                panels[name][o, k] = value
+            if intention.target == id:
+                panels[TARGET][o, k] = o + 1
+        if intention.grip in GRIPS:
+            g = GRIPS.index(intention.grip)
+            panels[GRIP][g, k] = g + 1
+    return Courses(np.array([t for t, _ in own]), objects, panels)
+
+
+def _chosen(intentions: Sequence[Intention]) -> tuple[str, ...]:
+    """Return the objects that get a line, by id: past targets first, then those likeliest now."""
+    known = {id: None for intention in intentions for id in intention.scores}
+    if len(known) <= MOST_OBJECTS:
+        return tuple(sorted(known))
+    targets = dict.fromkeys(i.target for i in reversed(intentions) if i.target)
+    newest = intentions[-1].scores
+    likely = sorted(known, key=lambda id: (-newest.get(id, {}).get("global", -np.inf), id))
+    return tuple(sorted(list(dict.fromkeys([*targets, *likely]))[:MOST_OBJECTS]))
 
 
 class CoursesPanels:
@@ -87,8 +99,6 @@ class CoursesPanels:
         hidden: Sequence[str] = (),
     ) -> None:
         """Draw time courses in the colours of the objects, but for the hidden panels."""
-        if len(courses.times) < 2:
-            return
         if self._lines != (*courses.objects, *courses.panels):
             self._begin(courses, colours)
         for name, plot in self._plots.items():
@@ -100,24 +110,26 @@ class CoursesPanels:
 
     def _widen(self, plot: Any, speeds: Array) -> None:
         """Make room for the highest speed; what is NaN leaves no room to choose by itself."""
-        highest = float(np.nanmax(speeds, initial=0.0))
+        highest = float(np.nan_to_num(speeds).max(initial=0.0))
         if highest > self._fastest:
             self._fastest = 0.5 * math.ceil(highest / 0.5)
             plot.scales = {"x": {"time": False}, "y": _range(SPEED, 1, self._fastest)}
 
     def _begin(self, courses: Courses, colours: Mapping[str, tuple[int, int, int]]) -> None:
         """Make the panels anew, since there are other objects or scores."""
-        self._lines = (*courses.objects, *courses.panels)
         for plot in self._plots.values():
             plot.remove()
+        self._plots.clear()
         names = {id: _css(colours.get(id, (120, 120, 120))) for id in courses.objects}
-        keys = [(colour, _escape(id)) for id, colour in names.items()]
+        keys = [(colour, escape(id)) for id, colour in names.items()]
         keys += [(_css(c), g) for c, g in zip(GRIP_COLOURS, GRIPS, strict=True)]
         self._key.content = "<div style='font-size:0.8em;padding:0 1em'>" + " &ensp;".join(
             f"<span style='color:{colour}'>&#9632;</span> {text}" for colour, text in keys
         ) + "</div>"  # fmt: skip
         with self._folder:
             for name, rows in courses.panels.items():
+                if not len(rows):  # no object, no line
+                    continue
                 if name == SPEED:
                     strokes = ["rgb(60,60,60)"]
                 else:
@@ -137,6 +149,7 @@ class CoursesPanels:
                     legend={"show": False},
                     padding=(0, 8, 0, 0 if name not in (TARGET, GRIP) else 34),
                 )
+        self._lines = (*courses.objects, *courses.panels)
 
 
 def _series(stroke: str, name: str) -> Any:
@@ -158,9 +171,3 @@ def _range(name: str, lines: int, fastest: float) -> Any:
 
 def _css(colour: tuple[int, ...]) -> str:
     return f"rgb({colour[0]},{colour[1]},{colour[2]})"
-
-
-def _escape(text: str) -> str:
-    from html import escape
-
-    return escape(text)

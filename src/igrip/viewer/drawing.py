@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ TARGET = (60, 200, 90)
 HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
 PAST, FUTURE, IMPACT = (200, 60, 60), (40, 160, 60), (220, 30, 200)
 HIT, MISS = (215, 120, 205), (175, 175, 185)
+KEPT = 10.0  # seconds for which something absent is kept, hidden
 DRAWN = 2  # one ray in two is drawn: all of them would hide what they point at
 
 
@@ -36,6 +37,7 @@ class SceneDrawing:
     def __init__(self, server: Any) -> None:
         self._scene = server.scene
         self._handles: dict[str, Any] = {}
+        self._seen: dict[str, float] = {}  # when each thing was drawn last [s]
         self.colours: dict[str, tuple[int, int, int]] = {}
         self._scene.set_up_direction("+z")
         self._scene.add_grid(
@@ -67,16 +69,35 @@ class SceneDrawing:
             self._draw_object(placed, placed.id in targets)
         present = {_path("objects", placed.id) for placed in snapshot.objects}
         present |= {_path("hands", hand.intention.hand) for hand in snapshot.hands}
-        for name, handle in self._handles.items():
-            if "/".join(name.split("/")[:3]) not in present:
-                handle.visible = False
+        self._forget(present, snapshot.t)
         for hand in snapshot.hands:
             shown = only in (None, hand.intention.hand)
             self._draw_hand(snapshot, hand, shown, shown and rays)
 
+    def _forget(self, present: set[str], t: float) -> None:
+        """Hide what is not there; remove it for good after a while, since ids may never return."""
+        for thing in present:
+            self._seen[thing] = t
+        gone = {thing for thing, seen in self._seen.items() if not 0.0 <= t - seen <= KEPT}
+        kept = set(self._handles)
+        for name in kept:
+            thing = "/".join(name.split("/")[:3])
+            if thing in gone:
+                handle = self._handles.pop(name)
+                if name.rpartition("/")[0] not in kept:  # or else it goes with its parent
+                    handle.remove()
+            elif thing not in present:
+                self._handles[name].visible = False
+        for thing in gone:
+            del self._seen[thing]
+            self.colours.pop(unquote(thing.split("/")[2]), None)
+
     def _draw_object(self, placed: Placed, is_target: bool) -> None:
         name = _path("objects", placed.id)
-        own = self.colours.setdefault(placed.id, COLOURS[len(self.colours) % len(COLOURS)])
+        if placed.id not in self.colours:
+            used = list(self.colours.values())
+            self.colours[placed.id] = min(COLOURS, key=used.count)  # the least used
+        own = self.colours[placed.id]
         colour = TARGET if is_target else own
         mesh = self._handle(
             name,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import math
 import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -19,12 +20,19 @@ RATE = 30.0  # drawings a second
 
 
 def make_film(
-    observations: Iterable[Observation], catalog: Catalog, config: Config
+    observations: Iterable[Observation],
+    catalog: Catalog,
+    config: Config,
+    begin: float = -math.inf,
 ) -> list[Snapshot]:
-    """Run the estimator over a recording; one moment for each message that was answered."""
+    """Run the estimator over a recording; one moment for each message from ``begin`` on [s]."""
     estimator = Estimator(catalog, config)
-    moments = (take_snapshot(estimator, estimator.update(o)) for o in observations)
-    return [moment for moment in moments if moment is not None]
+    moments = []
+    for observation in observations:
+        estimator.update(observation)  # what comes before the beginning is decided all the same
+        if observation.t >= begin:
+            moments.append(take_snapshot(estimator))
+    return moments
 
 
 class Playhead:
@@ -151,3 +159,41 @@ class Player:
             with self._lock:
                 self.head.pause()
                 self.head.seek(float(self._slider.value) + 5e-4)
+
+
+class Cutter:
+    """Makes the film of the estimator that was wanted last, one at a time, in its own thread.
+
+    Parameters
+    ----------
+    make : function
+        From the name of an estimator to its film.
+    """
+
+    def __init__(self, make: Callable[[str], Sequence[Snapshot]]) -> None:
+        self._make = make
+        self._wanted: str | None = None
+        self._wake = threading.Condition()
+
+    def want(self, name: str) -> None:
+        """Ask for another film; returns at once."""
+        with self._wake:
+            self._wanted = name
+            self._wake.notify()
+
+    def start(self, take: Callable[[Sequence[Snapshot]], None], say: Callable[[str], None]) -> None:
+        """Begin to work: hand films to ``take``, and words about it to ``say``."""
+        threading.Thread(target=self._run, args=(take, say), daemon=True).start()
+
+    def _run(self, take: Callable[[Sequence[Snapshot]], None], say: Callable[[str], None]) -> None:
+        while True:
+            with self._wake:
+                self._wake.wait_for(lambda: self._wanted is not None)
+                name, self._wanted = str(self._wanted), None
+            say(f"running {name} …")
+            film = self._make(name)
+            with self._wake:
+                if self._wanted is not None:  # another is wanted by now
+                    continue
+            take(film)
+            say(f"by {name}")

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from igrip.grips.cylinder import is_pinch
 from igrip.objects.model import ObjectModel
-from igrip.viewer.server import open_server, quiet
+from igrip.viewer.server import open_server, plain, quiet
+from igrip.viewer.zones import grip_zones
 
 PALMAR, PINCH = (90, 130, 216), (211, 90, 192)
 GAP = 0.08  # between two objects [m]
@@ -51,7 +51,7 @@ class GripPage:
             self._draw(model, pinch_from, left + 0.5 * width)
             left += width
             half = 500.0 * model.length
-            rows.append(f"| {model.name} | {half:.1f} mm | ±{pinch_from * half:.1f} mm |")
+            rows.append(f"| {plain(model.name)} | {half:.1f} mm | ±{pinch_from * half:.1f} mm |")
         self._server.initial_camera.position = (0.06, -0.75 * max(0.5, sum(widths)), 0.18)
         self._server.initial_camera.look_at = (0.06, 0.0, 0.0)
         self._server.gui.add_markdown(
@@ -72,14 +72,11 @@ class GripPage:
 
     def _draw(self, model: ObjectModel, pinch_from: float, x: float) -> None:
         """Draw one object upright on its cylinder axis, its middle at z = 0."""
-        frame = model.mesh_from_object
-        local = (model.vertices - frame[:3, 3]) @ frame[:3, :3]
         half = 0.5 * model.length
-        corners = local[model.faces]
-        pinch = is_pinch(corners[:, :, 2].mean(axis=1), np.full(len(corners), half), pinch_from)
-        colours = np.where(pinch[:, None], PINCH, PALMAR).astype(np.uint8)
-        mesh = trimesh.Trimesh(local, model.faces, face_colors=colours, process=False)
-        scene, name = self._server.scene, f"/{len(model.name)}-{x:.4f}"
+        zones = grip_zones(model, pinch_from)
+        colours = np.where(zones.pinch[:, None], PINCH, PALMAR).astype(np.uint8)
+        mesh = trimesh.Trimesh(zones.vertices, zones.faces, face_colors=colours, process=False)
+        scene, name = self._server.scene, f"/at {x:.4f}"
         scene.add_mesh_trimesh(f"{name}/mesh", mesh, position=(x, 0.0, 0.0))
         scene.add_cylinder(
             f"{name}/cylinder", radius=model.radius, height=model.length, color=(130, 130, 130),

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from igrip.grips.cylinder import is_pinch
 from igrip.objects.model import ObjectModel
 from igrip.plots import new_figure
+from igrip.viewer.zones import grip_zones
 
 PALMAR, PINCH = "#5a82d8", "#d35ac0"
 
@@ -45,13 +45,11 @@ def _draw(panel: Any, model: ObjectModel, pinch_from: float) -> None:
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Rectangle
 
-    frame = model.mesh_from_object
-    local = 1e3 * (model.vertices - frame[:3, 3]) @ frame[:3, :3]  # millimetres
-    corners = local[model.faces]
+    zones = grip_zones(model, pinch_from)
+    corners = 1e3 * zones.vertices[zones.faces]  # millimetres
     order = np.argsort(-corners[:, :, 1].mean(axis=1))  # the far side first
     half, radius = 500.0 * model.length, 1e3 * model.radius
-    pinch = is_pinch(corners[:, :, 2].mean(axis=1), np.full(len(corners), half), pinch_from)
-    colours = np.where(pinch, PINCH, PALMAR)[order]
+    colours = np.where(zones.pinch, PINCH, PALMAR)[order]
     panel.add_collection(
         PolyCollection(list(corners[order][:, :, [0, 2]]), facecolors=colours, edgecolors="none")
     )

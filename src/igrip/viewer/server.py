@@ -7,11 +7,13 @@ replace each other, and the older are dropped and counted.
 from __future__ import annotations
 
 import logging
+import re
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from html import escape
 from typing import Any
 
 import rich
@@ -50,7 +52,8 @@ class Viewer:
     Attributes
     ----------
     drawn, dropped : int
-        Moments that were drawn, and that were replaced by newer ones before they could be.
+        Moments that were drawn (once more if another choice was made), and that were replaced by
+        newer ones before they could be.
 
     Raises
     ------
@@ -91,10 +94,8 @@ class Viewer:
         """The viser server, to add controls."""
         return self._server
 
-    def show(self, moment: Snapshot | None) -> None:
+    def show(self, moment: Snapshot) -> None:
         """Hand over the newest moment; returns at once."""
-        if moment is None:
-            return
         with self._wake:
             if self._history and moment.t < self._history[-1].t:
                 self._history.clear()
@@ -115,9 +116,9 @@ class Viewer:
             self._history.extend(moments[first : index + 1])
             self._put(moments[index])
 
-    def note(self, text: str) -> None:
-        """Show a line of text above the hands, for example the task of a demo."""
-        self._note.content = text
+    def note(self, title: str, text: str) -> None:
+        """Show a title and a line of text above the hands, for example the task of a demo."""
+        self._note.content = f"### {plain(title)}\n{plain(text)}"
 
     def close(self) -> None:
         """Stop drawing and close the page's server."""
@@ -168,7 +169,7 @@ class Viewer:
     def _draw(self, moment: Snapshot) -> None:
         self._choices.offer([hand.intention.hand for hand in moment.hands])
         self._drawing.draw(moment, self._choices.rays, self._choices.hand)
-        lines = [f"- {describe(hand.intention)}" for hand in moment.hands]
+        lines = [f"- {plain(describe(hand.intention))}" for hand in moment.hands]
         self._words.content = f"**t = {moment.t:.2f} s**\n\n" + "\n".join(lines)
 
     def _draw_courses(self, history: Sequence[Snapshot]) -> None:
@@ -188,6 +189,13 @@ def _busiest(history: Sequence[Snapshot]) -> str | None:
                 return shown.intention.hand
             hand = hand or shown.intention.hand
     return hand
+
+
+def plain(text: str) -> str:
+    """Return text for markdown that shows as it is: ids and names come from outside."""
+    return re.sub(r"([\\`*_{}\[\]()#+\-!|~>])", r"\\\1", escape(text, quote=False)).replace(
+        "\n", " "
+    )
 
 
 def open_server(host: str, port: int) -> Any:

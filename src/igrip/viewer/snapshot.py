@@ -24,7 +24,7 @@ class HandSnapshot:
     Attributes
     ----------
     intention : Intention
-        What was decided.
+        What was decided last; its ``t`` says when.
     past : (n, 3)
         Its filtered positions in the window, the newest last [m].
     motion : Motion or None
@@ -50,7 +50,7 @@ class Snapshot:
     objects : sequence of Placed
         The usable objects.
     hands : sequence of HandSnapshot
-        The hands that were decided for.
+        All hands that are followed.
     scene : Scene
         The geometry that their rays were cast in.
     """
@@ -61,21 +61,19 @@ class Snapshot:
     scene: Scene
 
 
-def take_snapshot(estimator: Estimator, intentions: Sequence[Intention]) -> Snapshot | None:
-    """Note what ``update`` has just decided; None if it decided nothing."""
-    if not intentions:
-        return None
+def take_snapshot(estimator: Estimator) -> Snapshot:
+    """Note where everything is after an ``update``, and the newest intention of each hand."""
     objects = estimator.objects
     by_id = {placed.id: placed for placed in objects}
     tracks = estimator.hands
     hands = []
-    for intention in intentions:
-        track = tracks[intention.hand]
+    for id, intention in sorted(estimator.latest.items()):
+        track = tracks[id]
         known = intention.status in ("idle", "reaching", "holding")
         target = by_id.get(intention.target) if intention.target else None
         motion = track.motion if known else None
         hands.append(HandSnapshot(intention, track.trajectory.past, motion, target))
-    return Snapshot(intentions[0].t, objects, hands, estimator.scene)
+    return Snapshot(estimator.t, objects, hands, estimator.scene)
 
 
 def rays_of(scene: Scene, hand: HandSnapshot) -> tuple[Array, Array]:

@@ -1,0 +1,68 @@
+"""When a movement begins and ends, from a trace that no estimator has touched (SPEC §7)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+Array = NDArray[np.float64]
+PART_OF_PEAK = 0.10
+CUTOFF = 6.0  # Hz of the zero-phase filter; reaching is below it (Winter 2009, Biomechanics)
+
+
+def movement_bounds(times: Array, speeds: Array) -> tuple[float, float] | None:
+    """Return onset and end of the one movement in a trace of speeds.
+
+    Onset: first sample before the peak that is faster than 10 % of it. End: first sample after it
+    that is slower than the least speed after it plus 10 % of what the peak exceeds that by.
+
+    Parameters
+    ----------
+    times : (n,)
+        Increasing [s].
+    speeds : (n,)
+        Of the hand [m/s].
+
+    Returns
+    -------
+    (float, float) or None
+        Onset and end [s]; None where the trace does not hold a peak between two slower parts.
+    """
+    if len(speeds) < 3 or not np.isfinite(speeds).all():
+        return None
+    peak = int(np.argmax(speeds))
+    before = np.flatnonzero(speeds[:peak] > PART_OF_PEAK * speeds[peak])
+    after = speeds[peak + 1 :]
+    if not len(before) or not len(after) or not speeds[peak] > 0.0:
+        return None
+    least = float(after.min())
+    slow = np.flatnonzero(after < least + PART_OF_PEAK * (speeds[peak] - least))
+    if not len(slow):
+        return None
+    return float(times[before[0]]), float(times[peak + 1 + slow[0]])
+
+
+def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
+    """Return speeds of a raw trace after a zero-phase low-pass, on even times.
+
+    Parameters
+    ----------
+    times : (n,), positions : (n, 3)
+        Increasing times [s] and positions [m]; gaps are bridged by straight lines.
+
+    Returns
+    -------
+    times, speeds : (m,)
+        At the median rate of the trace [s, m/s]; empty where the trace is too short to filter.
+    """
+    if len(times) < 3:
+        return np.empty(0), np.empty(0)
+    step = float(np.median(np.diff(times)))
+    even = times[0] + step * np.arange(int(np.floor((times[-1] - times[0]) / step + 1e-9)) + 1)
+    points = np.stack([np.interp(even, times, positions[:, axis]) for axis in range(3)], axis=1)
+    sections = butter(2, min(CUTOFF, 0.45 / step), fs=1.0 / step, output="sos")
+    if len(even) <= 15:
+        return np.empty(0), np.empty(0)
+    smooth = sosfiltfilt(sections, points, axis=0, padlen=min(15, len(even) - 1))
+    return even, np.linalg.norm(np.gradient(smooth, step, axis=0), axis=1)

@@ -1,0 +1,58 @@
+"""The surface of an object cut at the borders of its grip zones."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from trimesh.intersections import slice_faces_plane
+
+from igrip.grips.cylinder import is_pinch
+from igrip.objects.model import ObjectModel
+
+Array = NDArray[np.float64]
+
+
+class Zones(NamedTuple):
+    """An object in its own frame, every face of it within one zone.
+
+    Attributes
+    ----------
+    vertices, faces : (v, 3), (f, 3)
+        The mesh, in the object frame [m].
+    pinch : (f,) bool
+        Whether a hand beside the face pinches.
+    """
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    pinch: NDArray[np.bool_]
+
+
+def grip_zones(model: ObjectModel, pinch_from: float) -> Zones:
+    """Cut a model at ±``pinch_from`` half-lengths of its cylinder."""
+    frame, half = model.mesh_from_object, 0.5 * model.length
+    local = (model.vertices - frame[:3, 3]) @ frame[:3, :3]
+    border = pinch_from * half
+    up = np.array([0.0, 0.0, 1.0])
+    parts = [
+        _above(*_above(local, model.faces, up, -border), -up, -border),  # between the borders
+        _above(local, model.faces, up, border),
+        _above(local, model.faces, -up, border),
+    ]
+    counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    vertices = np.concatenate([vertices for vertices, _ in parts])
+    faces = np.concatenate([faces + n for (_, faces), n in zip(parts, counts, strict=False)])
+    heights = vertices[faces][:, :, 2].mean(axis=1)
+    return Zones(vertices, faces, is_pinch(heights, np.full(len(faces), half), pinch_from))
+
+
+def _above(
+    vertices: Array, faces: NDArray[np.int64], normal: Array, height: float
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return what lies further along a normal than a height."""
+    if not len(faces):
+        return vertices, faces
+    kept, cut, _ = slice_faces_plane(vertices, faces, normal, height * normal)
+    return np.asarray(kept, dtype=np.float64), np.asarray(cut, dtype=np.int64).reshape(-1, 3)
