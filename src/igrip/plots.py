@@ -18,5 +18,5 @@ def new_figure(width: float, height: float, purpose: str) -> Any:
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "bench", purpose) from error
+        raise MissingExtraError("matplotlib", "report", purpose) from error
     return Figure(figsize=(width, height), layout="constrained")

@@ -31,7 +31,19 @@ def igrip(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]
 
 
 @pytest.mark.parametrize(
-    "command", ["bench", "demo", "doctor", "grips", "import", "replay", "schema", "view"]
+    "command",
+    [
+        "bench",
+        "demo",
+        "doctor",
+        "evaluate",
+        "grips",
+        "import",
+        "replay",
+        "schema",
+        "simulate",
+        "view",
+    ],
 )
 def test_help_has_an_example(command: str) -> None:
     assert f"Example: igrip {command}" in igrip(command, "--help").stdout
@@ -230,4 +242,25 @@ def test_view_of_what_is_not_there(small_dataset: Dataset, tmp_path: Path) -> No
     assert (
         "no targets estimator"
         in igrip("view", small_dataset.path, "--targets", "nonsense", code=2).stderr
+    )
+
+
+def test_simulate_and_evaluate(tmp_path: Path) -> None:
+    options = ("--participants", 2, "--trials", 2, "--no-reach", 1)
+    told = json.loads(igrip("simulate", tmp_path / "set", *options, "--json").stdout)
+    assert told["recordings"] == 9
+    done = igrip("evaluate", tmp_path / "set", "--out", tmp_path / "report", "--targets", "paper")
+    assert "reaches valid" in done.stdout
+    assert (tmp_path / "report" / "report.html").is_file()
+    next((tmp_path / "set" / "recordings").iterdir()).unlink()
+    again = igrip(
+        "evaluate", tmp_path / "set", "--out", tmp_path / "other", "--targets", "distance",
+        "--strict", "--json", code=1,
+    )  # fmt: skip
+    assert len(json.loads(again.stdout)["excluded"]) == 1
+    assert "no recording" in again.stderr
+    assert "exists already" in igrip("simulate", tmp_path / "set", code=2).stderr
+    assert (
+        "no profile 'tall'"
+        in igrip("simulate", tmp_path / "new", "--profile", "tall", code=2).stderr
     )

@@ -6,7 +6,18 @@ from typing import Annotated
 
 import typer
 
-from igrip.cli import bench, demo, doctor, grips, importing, replay, schema, simulate, view
+from igrip.cli import (
+    bench,
+    demo,
+    doctor,
+    evaluate,
+    grips,
+    importing,
+    replay,
+    schema,
+    simulate,
+    view,
+)
 from igrip.cli.console import output
 from igrip.version import __version__
 
@@ -37,6 +48,7 @@ def _options(
 
 app.command("demo")(demo.demo)
 app.command("replay")(replay.replay)
+app.command("evaluate")(evaluate.evaluate)
 app.command("simulate")(simulate.simulate)
 app.command("view")(view.view)
 app.command("import")(importing.import_tables)

@@ -29,6 +29,7 @@ CORE = (
 EXTRAS = {
     "viewer": ("viser",),
     "tables": ("pandas", "pyarrow"),
+    "report": ("pandas", "pyarrow", "matplotlib", "jinja2"),
     "bench": ("embreex", "matplotlib", "rtree"),
 }
 

@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import errors, output, print_json, progress
-from igrip.importers.base import ImportOptions, find_importer, read_tables, write_dataset
+from igrip.importers.base import Importer, ImportOptions, find_importer, read_tables, write_dataset
+from igrip.importers.mapped import Mapped, read_map
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
 
@@ -19,6 +20,10 @@ def import_tables(
         list[Path], typer.Argument(help="Tables (.parquet, .csv, .tsv), or a folder of them.")
     ],
     out: Annotated[Path, typer.Option("--out", "-o", help="New folder for the dataset.")],
+    columns: Annotated[
+        Path | None,
+        typer.Option(help="A map of columns (.toml), for tables of a layout of your own."),
+    ] = None,
     mesh: Annotated[
         str, typer.Option(help="Model put at each object's place.")
     ] = "006_mustard_bottle",
@@ -44,8 +49,9 @@ def import_tables(
 ) -> None:
     """Turn motion-capture tables into a dataset.
 
-    The layout is recognised by the columns. What is added to the recorded movements (rest, noise,
-    meshes) is declared in the dataset's dataset.json.
+    A known layout is recognised by its columns; for any other, --columns names a map: see
+    docs/importing.md. Reaches that cannot be used are then named and left out. What is added to the
+    recorded movements (rest, noise, meshes) is declared in the dataset's dataset.json.
 
     Example: igrip import wispinski2021/ --out near-far --rest 1 --noise 0.004
     """
@@ -54,14 +60,17 @@ def import_tables(
     options = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
     catalog[mesh]
     found = read_tables(tables)
-    importer = find_importer(found)
+    importer: Importer = find_importer(found) if columns is None else Mapped(read_map(columns))
     reaches = importer.reaches(found)
     if 0 < limit < len(reaches):
         reaches = [reaches[k * len(reaches) // limit] for k in range(limit)]
     dataset: Dataset | None = None
+    problems: list[str] | None = None if columns is None else []
     with progress() as bar:
         task = bar.add_task(f"importing {importer.name}", total=len(reaches))
-        for dataset in write_dataset(importer, reaches, out, catalog, options, _absolute(named)):
+        for dataset in write_dataset(
+            importer, reaches, out, catalog, options, _absolute(named), problems
+        ):
             bar.advance(task, dataset is None)
     assert dataset is not None  # the last thing written
     summary = {
@@ -70,7 +79,10 @@ def import_tables(
         "trials": len(dataset.trials),
         "participants": len({trial.participant for trial in dataset.trials}),
         "derived": dataset.description["derived"],
+        "left_out": problems or [],
     }
+    for problem in problems or []:
+        errors.print(f"left out: {problem}", style="yellow", soft_wrap=True)
     if as_json:
         print_json(summary)
         return

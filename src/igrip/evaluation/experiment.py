@@ -56,11 +56,15 @@ def evaluate_trial(
     problem = problem or _problem(trial, seen, bounds)
     inputs = estimators[0].inputs()["objects"]
     unknown = {f"{id}: {told['reason']}" for id, told in inputs.items() if not told["known"]}
-    remark = "; ".join(sorted(unknown) + ([cut] if cut else [])) or None
+    remarks = [*sorted(unknown), *_remarks(trial, seen), *([cut] if cut else [])]
     facts = describe_trial(trial, seen, bounds, estimators[0].objects)
     rows = []
     for config, intentions in zip(configs, said, strict=True):
-        row = base | facts | {"targets": config.targets, "problem": problem, "remark": remark}
+        row = (
+            base
+            | facts
+            | {"targets": config.targets, "problem": problem, "remark": "; ".join(remarks) or None}
+        )
         rows.append(row if problem else row | judge(trial, bounds, intentions))
     return rows
 
@@ -69,13 +73,23 @@ def _problem(trial: Trial, seen: Seen, bounds: tuple[float, float] | None) -> st
     """Say why a trial cannot be judged, in words."""
     if trial.target is None:
         return "its target is not known"
+    if not seen.times:
+        return "the recording is empty"
     if trial.target == NO_REACH:
-        return None if seen.times else "the recording is empty"
-    if trial.hand is None or not any(seen.hand):
-        return f"hand {trial.hand!r} was never seen"
-    if trial.target not in seen.objects:
-        return f"target {trial.target!r} never appears"
+        return None
+    if trial.hand is None:
+        return "its hand is not known"
     return None if bounds is not None else "its movement has no onset and end"
+
+
+def _remarks(trial: Trial, seen: Seen) -> list[str]:
+    """Say what was never seen: such a trial counts, and cannot be right."""
+    if trial.target in (None, NO_REACH):
+        return []
+    told = [] if any(seen.hand) else [f"hand {trial.hand!r} was never seen"]
+    return told + (
+        [] if trial.target in seen.objects else [f"target {trial.target!r} never appears"]
+    )
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ class Sight(NamedTuple):
         if not self.early:
             return "found too late"
         if self.longest_gap > MOST_MISSED:
-            return f"missed in {self.longest_gap} frames in a row"
+            return f"missed in more than {MOST_MISSED} frames in a row"
         return None
 
 

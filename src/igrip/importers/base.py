@@ -43,6 +43,13 @@ class Reach:
         Where each object is [m].
     extra : mapping of str to str
         Further columns of the table of trials.
+    grip, movement : str or None
+        Of the task.
+    models : mapping of str to str
+        Model of each object, where it is not that of the options.
+    whole : bool
+        Whether the samples are the movement and nothing else. If not, onset and end are left to the
+        evaluation, and nothing is added before.
     """
 
     name: str
@@ -54,6 +61,10 @@ class Reach:
     positions: Array
     places: Mapping[str, Array]
     extra: Mapping[str, str] = field(default_factory=dict)
+    grip: str | None = None
+    movement: str | None = None
+    models: Mapping[str, str] = field(default_factory=dict)
+    whole: bool = True
 
     def __post_init__(self) -> None:
         good = len(self.times) > 1 and np.isfinite(self.times).all()
@@ -155,7 +166,7 @@ def observe(reach: Reach, catalog: Catalog, options: ImportOptions) -> list[Obse
 
     The mesh stands upright as in its file, the middle of its cylinder at the object's place.
     """
-    rest = round(options.rest * options.rate)
+    rest = round(options.rest * options.rate) if reach.whole else 0
     moving = int(np.floor(reach.times[-1] * options.rate + 1e-6)) + 1
     since_onset = np.arange(-rest, moving) / options.rate
     points = np.stack(
@@ -164,16 +175,15 @@ def observe(reach: Reach, catalog: Catalog, options: ImportOptions) -> list[Obse
     # seeded by the name, so that a reach is the same whichever others are imported
     random = np.random.default_rng([options.seed, zlib.crc32(reach.name.encode())])
     points += random.normal(0.0, 1.0, points.shape) * options.noise
-    model = catalog[options.mesh]
-    objects = {
-        id: ObjectPose(
-            model=options.mesh,
+    objects = {}
+    for id, place in reach.places.items():
+        model = catalog[reach.models.get(id, options.mesh)]
+        objects[id] = ObjectPose(
+            model=model.name,
             position=tuple((place - model.origin).tolist()),
             orientation=(0.0, 0.0, 0.0, 1.0),
             static=True,
         )
-        for id, place in reach.places.items()
-    }
     return [
         Observation(
             t=k / options.rate,
@@ -191,8 +201,13 @@ def write_dataset(
     catalog: Catalog,
     options: ImportOptions,
     objects: Sequence[str],
+    problems: list[str] | None = None,
 ) -> Iterator[Dataset | None]:
-    """Write a dataset; yields None after each reach and the dataset at the end."""
+    """Write a dataset; yields None after each reach and the dataset at the end.
+
+    A reach that cannot be used is left out: ``problems`` then says which and why. Without that list
+    it raises :class:`DatasetError`.
+    """
     writer = DatasetWriter(
         out,
         name=importer.name,
@@ -210,15 +225,24 @@ def write_dataset(
     onset = round(options.rest * options.rate) / options.rate  # rest is a whole number of samples
     with writer:
         for read in reaches:
-            reach = read()
+            try:
+                reach = read()
+            except DatasetError as error:
+                if problems is None:
+                    raise
+                problems.append(str(error))
+                yield None
+                continue
             trial = Trial(
                 recording=reach.name,
                 participant=reach.participant,
                 trial=reach.trial,
                 hand=reach.hand,
                 target=reach.target,
-                onset_s=round(onset, 6),
-                end_s=round(onset + float(reach.times[-1]), 6),
+                grip=reach.grip,
+                movement=reach.movement,
+                onset_s=round(onset, 6) if reach.whole else None,
+                end_s=round(onset + float(reach.times[-1]), 6) if reach.whole else None,
                 extra=reach.extra,
             )
             writer.add(trial, observe(reach, catalog, options))
