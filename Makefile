@@ -4,7 +4,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
-.PHONY: pictures golden help demo test test-slow lint types contract unit schemas system clean
+.PHONY: pictures report golden help demo test test-slow lint types contract unit schemas system clean
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
@@ -49,6 +49,9 @@ $(READY): pyproject.toml constraints.txt requirements-test.txt
 
 pictures: $(READY)  ## make the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py
+
+report: $(READY)  ## make the report of a small cohort in the documentation
+	$(BIN)/python docs/make_report.py
 
 golden: $(READY)  ## write the golden vectors anew, from the oracle alone
 	$(BIN)/python tests/golden/make_golden.py

@@ -1,0 +1,5 @@
+"""``python -m igrip``: the command."""
+
+from igrip.cli import main
+
+main()
