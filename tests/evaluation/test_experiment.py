@@ -6,11 +6,13 @@ import shutil
 import pytest
 
 from igrip import Config
+from igrip.errors import DatasetError
 from igrip.evaluation import experiment as module
 from igrip.evaluation.experiment import Experiment
 from igrip.evaluation.summary import frame_of, summarise
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
+from igrip.report.page import write_report
 from igrip.simulation.cohort import simulate
 from igrip.simulation.parameters import cohort
 
@@ -38,9 +40,9 @@ def run(path, out, jobs=1, targets=TARGETS):
 
 def edit(path, change):
     table = path / "trials.tsv"
-    lines = [line.split("\t") for line in table.read_text().splitlines()]
-    change(lines[0], lines[1:])
-    table.write_text("".join("\t".join(line) + "\n" for line in lines))
+    header, *rows = [line.split("\t") for line in table.read_text().splitlines()]
+    change(header, rows)
+    table.write_text("".join("\t".join(line) + "\n" for line in [header, *rows]))
 
 
 def test_rows_and_summary(dataset, tmp_path):
@@ -132,3 +134,72 @@ def test_bad_recordings_are_named_and_the_rest_is_judged(dataset, tmp_path):
     assert {e["recording"] for e in summary["excluded"]} == {names[k] for k in (0, 4, 5, 6, 7)}
     assert summary["reaches"] == 16 - 5
     assert all(e["problem"] for e in summary["excluded"])
+
+
+def test_a_recording_that_was_mended_is_judged_anew(dataset, tmp_path):
+    first = Dataset.open(dataset).trials[0]
+    path = Dataset.open(dataset).recording(first)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:2000])
+    before, _ = run(dataset, tmp_path / "out")
+    path.write_bytes(whole)
+    after, steps = run(dataset, tmp_path / "out")
+    assert steps[0] == 16
+    assert before.rows[0] != after.rows[0]
+    assert before.rows[2:] == after.rows[2:]
+
+
+def test_part_of_a_larger_run_is_reported_alone(dataset, tmp_path):
+    run(dataset, tmp_path / "out")
+    opened = Dataset.open(dataset)
+    part = Experiment(opened, [Config(targets=t) for t in TARGETS], tmp_path / "out")
+    assert list(part.run(opened.trials[3:5], 1)) == [2]
+    assert [row["recording"] for row in part.rows[::2]] == [
+        trial.recording for trial in opened.trials[3:5]
+    ]
+
+
+def test_odd_rows_are_named(dataset, tmp_path):
+    def change(header, rows):
+        rows[1][header.index("recording")] = rows[0][header.index("recording")]
+        rows[2][header.index("performed")] = "no"
+        rows[3][header.index("end_s")] = ""
+        rows[4][header.index("target")] = " none "
+
+    edit(dataset, change)
+    evaluation, _ = run(dataset, tmp_path / "out", targets=("paper",))
+    told = evaluation.rows
+    assert "is in an earlier line" in told[1]["problem"]
+    assert told[2]["problem"] == "was not performed"
+    assert "missing" in told[3]["remark"]
+    assert told[4]["target"] == "none"
+    with pytest.raises(DatasetError, match="earlier line"):
+        Dataset.open(dataset)
+
+
+def test_an_odd_recording_does_not_end_the_others(dataset, tmp_path, monkeypatch):
+    def broken(*args):
+        raise RuntimeError("of a kind that nobody foresaw")
+
+    monkeypatch.setattr(module, "describe_trial", broken)
+    evaluation, _ = run(dataset, tmp_path / "out", targets=("paper",))
+    assert all("nobody foresaw" in row["problem"] for row in evaluation.rows)
+
+
+@pytest.mark.parametrize("kept", ["none", "nothing", "one"])
+def test_reports_of_small_and_empty_datasets(dataset, tmp_path, kept):
+    def change(header, rows):
+        column = header.index("target")
+        if kept == "none":
+            rows[:] = [row for row in rows if row[column] == "none"]
+        else:
+            rows[:] = rows[:1] if kept == "one" else []
+
+    edit(dataset, change)
+    evaluation, _ = run(dataset, tmp_path / "out")
+    frame = frame_of(evaluation.rows)
+    summary = summarise(frame, "x", TARGETS)
+    opened = Dataset.open(dataset)
+    write_report(tmp_path / "out", opened, load_objects("ycb"), frame, summary)
+    assert "<h2>" in (tmp_path / "out" / "report.html").read_text()
+    assert summary["recordings"] == {"none": 1, "nothing": 0, "one": 1}[kept]

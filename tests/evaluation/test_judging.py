@@ -143,3 +143,33 @@ def test_onset_and_end_of_the_raw_trace_where_the_table_has_none():
     assert onset == pytest.approx(1.08, abs=0.07)
     assert end == pytest.approx(1.92, abs=0.1)
     assert seen.bounds(TRIAL) == (0.2, 1.0)
+
+
+def test_what_was_not_recorded_cannot_be_right():
+    """The recording stops in the middle of the movement, all answers right until then."""
+    said = [Intention(t=k / 10, hand="right", status="reaching", target="cup") for k in range(7)]
+    row = judge(TRIAL, (0.2, 1.0), said, last=0.6)
+    assert not row["success"]
+    assert row["right_at_50%"]
+    assert not row["right_at_85%"]
+    assert not row["right_at_100%"]
+    told = describe_trial(TRIAL, messages("xxxxxxx", "x xx x "), (0.2, 1.0), [])
+    assert told["invalid_reason"] == "the recording ends before the movement does"
+
+
+def test_a_target_that_goes_silent_is_missed():
+    seen = messages("x" * 31, "x x x x x x" + " " * 20)
+    row = describe_trial(TRIAL, seen, (0.2, 3.0), [])
+    assert row["invalid_reason"] == "target missed in more than 3 frames in a row"
+
+
+def test_a_camera_that_is_neither_left_nor_right_has_no_view():
+    trial = Trial("r", camera_side="front", hand="right", target="cup", onset_s=0.2, end_s=1.0)
+    seen = messages("xxxxxxxxxxx", "x xx x x x ")
+    assert describe_trial(trial, seen, (0.2, 1.0), [])["view"] is None
+
+
+def test_without_a_grip_no_grip_is_counted():
+    trial = Trial("r", hand="right", target="cup", onset_s=0.2, end_s=1.0)
+    row = answers("ccccccccccc", "ppppppppppp", trial)
+    assert not [key for key in row if key.startswith("grip")]

@@ -63,3 +63,24 @@ def test_gaps_are_bridged_and_short_traces_refused():
     assert speeds[3:-3] == pytest.approx(1.0, abs=0.02)
     assert not len(smooth_speeds(t[:2], line[:2])[0])
     assert movement_bounds(*smooth_speeds(t[:5], line[:5])) is None
+
+
+def test_noise_at_rest_is_no_onset():
+    """The truth is known: 200 noisy traces of one minimum-jerk reach, with outliers."""
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, 4.0, 1 / 30)
+    s = np.clip((t - 1.5) / 1.2, 0.0, 1.0)
+    path = 0.4 * s**3 * (10 - 15 * s + 6 * s * s)
+    late = []
+    for _ in range(200):
+        trace = np.stack([path, 0 * path, 0 * path], axis=1) + rng.normal(0, 0.003, (len(t), 3))
+        trace[rng.integers(len(t))] += rng.normal(0.0, 0.1, 3)
+        onset, _ = movement_bounds(*smooth_speeds(t, trace), noisy=True)
+        late.append(onset - (1.5 + 0.0867 * 1.2))
+    assert np.mean(np.abs(late) < 0.1) > 0.9
+    assert abs(np.median(late)) < 0.05
+
+
+def test_a_jump_of_the_clock_is_no_movement():
+    t = np.array([*np.arange(0.0, 3.0, 1 / 30), 5e8])
+    assert not len(smooth_speeds(t, np.zeros((len(t), 3)))[0])

@@ -74,6 +74,8 @@ def evaluate(
     with errors.status("writing the report …"):
         catalog = load_objects(*(objects or opened.objects))
         write_report(out, opened, catalog, frame, summary, trial)
+    if trial in {told["recording"] for told in summary["excluded"]}:
+        errors.print(f"{trial} was excluded, so its time courses are not drawn", style="yellow")
     _print(summary, out, as_json)
     if strict and summary["excluded"]:
         raise typer.Exit(1)

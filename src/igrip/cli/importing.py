@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import errors, output, print_json, progress
+from igrip.errors import DatasetError
 from igrip.importers.base import Importer, ImportOptions, find_importer, read_tables, write_dataset
 from igrip.importers.mapped import Mapped, read_map
 from igrip.objects.catalog import load_objects
@@ -73,6 +74,8 @@ def import_tables(
         ):
             bar.advance(task, dataset is None)
     assert dataset is not None  # the last thing written
+    if not dataset.trials:
+        raise DatasetError(f"nothing could be imported; first: {problems[0] if problems else '-'}")
     summary = {
         "dataset": str(out),
         "name": dataset.name,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import multiprocessing
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -14,7 +15,8 @@ from typing import Any
 from igrip.config import Config
 from igrip.errors import IgripError, RecordingError
 from igrip.estimator import Estimator
-from igrip.evaluation.judging import NO_REACH, Seen, describe_trial, judge
+from igrip.evaluation.judging import NO_REACH, Seen, coverage, describe_trial, judge
+from igrip.geometry.scene import Placed
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.recording.dataset import Dataset, Trial
@@ -41,6 +43,7 @@ def evaluate_trial(
     estimators = [Estimator(catalog, config) for config in configs]
     said: list[list[Intention]] = [[] for _ in configs]
     seen = Seen(trial.hand, trial.target)
+    layout: list[Placed] = []  # of the objects when the movement began
     problem: str | None = None
     cut: str | None = None
     try:
@@ -49,28 +52,32 @@ def evaluate_trial(
             seen.take(observation)
             for estimator, intentions in zip(estimators, said, strict=True):
                 intentions += estimator.update(observation)
+            if trial.onset_s is None or observation.t <= trial.onset_s or not layout:
+                layout = estimators[0].objects
         cut = reader.cut
+        bounds = seen.bounds(trial) if trial.target != NO_REACH else None
+        facts = describe_trial(trial, seen, bounds, layout)
     except IgripError as error:
-        problem = str(error)
-    bounds = seen.bounds(trial) if trial.target != NO_REACH else None
+        problem, bounds, facts = str(error), None, {}
+    except Exception as error:  # one odd recording must not end the evaluation of all others
+        problem, bounds, facts = f"cannot be judged: {error!r:.200}", None, {}
     problem = problem or _problem(trial, seen, bounds)
     inputs = estimators[0].inputs()["objects"]
     unknown = {f"{id}: {told['reason']}" for id, told in inputs.items() if not told["known"]}
-    remarks = [*sorted(unknown), *_remarks(trial, seen), *([cut] if cut else [])]
-    facts = describe_trial(trial, seen, bounds, estimators[0].objects)
+    remarks = [*sorted(unknown), *_remarks(trial, seen, bounds), *([cut] if cut else [])]
+    last = seen.times[-1] if seen.times else -math.inf
     rows = []
     for config, intentions in zip(configs, said, strict=True):
-        row = (
-            base
-            | facts
-            | {"targets": config.targets, "problem": problem, "remark": "; ".join(remarks) or None}
-        )
-        rows.append(row if problem else row | judge(trial, bounds, intentions))
+        row = base | facts | {"targets": config.targets, "problem": problem}
+        row["remark"] = "; ".join(remarks) or None
+        rows.append(row if problem else row | judge(trial, bounds, intentions, last))
     return rows
 
 
 def _problem(trial: Trial, seen: Seen, bounds: tuple[float, float] | None) -> str | None:
     """Say why a trial cannot be judged, in words."""
+    if trial.performed == "no":
+        return "was not performed"
     if trial.target is None:
         return "its target is not known"
     if not seen.times:
@@ -82,11 +89,19 @@ def _problem(trial: Trial, seen: Seen, bounds: tuple[float, float] | None) -> st
     return None if bounds is not None else "its movement has no onset and end"
 
 
-def _remarks(trial: Trial, seen: Seen) -> list[str]:
-    """Say what was never seen: such a trial counts, and cannot be right."""
+def _remarks(trial: Trial, seen: Seen, bounds: tuple[float, float] | None) -> list[str]:
+    """Say what is odd about a trial that counts all the same."""
     if trial.target in (None, NO_REACH):
         return []
-    told = [] if any(seen.hand) else [f"hand {trial.hand!r} was never seen"]
+    told = []
+    if (trial.onset_s is None) != (trial.end_s is None):
+        told.append("its onset or its end is missing, so both are those of the trace")
+    if trial.camera_side not in (None, "left", "right"):
+        told.append(f"camera_side {trial.camera_side!r} is neither left nor right")
+    if bounds is not None and (cut := coverage(seen, bounds)):
+        told.append(cut)
+    if not any(seen.hand):
+        told.append(f"hand {trial.hand!r} was never seen")
     return told + (
         [] if trial.target in seen.objects else [f"target {trial.target!r} never appears"]
     )
@@ -95,6 +110,7 @@ def _remarks(trial: Trial, seen: Seen) -> list[str]:
 @dataclass(frozen=True)
 class _Job:
     folder: Path
+    number: int  # of the trial's row
     trial: Trial
     configs: tuple[Config, ...]
     objects: tuple[str, ...]
@@ -109,7 +125,18 @@ def _run_job(job: _Job) -> list[Row]:
         _catalogs[job.objects] = load_objects(*job.objects)
     if job.folder not in _datasets:
         _datasets[job.folder] = Dataset.open(job.folder, lenient=True)
-    return evaluate_trial(_datasets[job.folder], job.trial, _catalogs[job.objects], job.configs)
+    dataset, catalog = _datasets[job.folder], _catalogs[job.objects]
+    stamp = {"row": job.number, "stamp": _stamp(dataset, job.trial)}
+    return [stamp | row for row in evaluate_trial(dataset, job.trial, catalog, job.configs)]
+
+
+def _stamp(dataset: Dataset, trial: Trial) -> str | None:
+    """Return what changes when a recording does; None where there is none."""
+    try:
+        told = dataset.recording(trial).stat()
+    except (IgripError, OSError):
+        return None
+    return f"{told.st_size}-{told.st_mtime_ns}"
 
 
 class Experiment:
@@ -139,7 +166,8 @@ class Experiment:
     def _fingerprint(self) -> str:
         """Return a digest of all that the rows hang on."""
         digest = hashlib.sha256(__version__.encode())
-        digest.update((self._dataset.path / "trials.tsv").read_bytes())
+        for name in ("trials.tsv", "dataset.json"):
+            digest.update((self._dataset.path / name).read_bytes())
         for config in self._configs:
             digest.update(config.model_dump_json().encode())
         digest.update("\n".join(self._objects).encode())
@@ -151,43 +179,51 @@ class Experiment:
         """Evaluate what is not done yet; yield how many trials are done."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         done = self._resume()
-        left = [trial for trial in trials if trial.recording not in done]
-        finished = len(trials) - len(left)
+        number = {id(trial): k for k, trial in enumerate(self._dataset.trials)}
+        chosen = [(number[id(trial)], trial) for trial in trials]
+        left = [(k, trial) for k, trial in chosen if k not in done]
+        finished = len(chosen) - len(left)
         yield finished
-        work = [_Job(self._dataset.path, t, self._configs, self._objects) for t in left]
+        work = [_Job(self._dataset.path, k, t, self._configs, self._objects) for k, t in left]
+        rows = [row for k, _ in chosen for row in done.get(k, [])]
         try:
             with self._path.open("ab") as file:
-                for rows in _results(work, min(jobs, max(1, len(work) // 10))):
-                    for row in rows:
+                for new in _results(work, min(jobs, max(1, len(work) // 10))):
+                    for row in new:
                         file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
                     file.flush()
-                    self.rows += rows
+                    rows += new
                     finished += 1
                     yield finished
         except OSError as error:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error
+        order = {config.targets: c for c, config in enumerate(self._configs)}
+        # the same rows in the same order, whatever was interrupted
+        self.rows = sorted(rows, key=lambda row: (row["row"], order[row["targets"]]))
 
-    def _resume(self) -> set[str]:
-        """Read the rows of an earlier run of the same evaluation; return whose they are."""
+    def _resume(self) -> dict[int, list[Row]]:
+        """Return the rows of an earlier run of the same evaluation, as far as they hold."""
         header = json.dumps({"evaluation": self._key}).encode() + b"\n"
         lines = self._path.read_bytes().split(b"\n") if self._path.exists() else []
         if not lines or lines[0] + b"\n" != header:
             self._path.write_bytes(header)
-            return set()
-        rows: list[Row] = []
+            return {}
+        found: dict[int, list[Row]] = {}
         for line in lines[1:-1]:  # the last ends in the middle, or is empty
             try:
-                rows.append(json.loads(line))
+                row = json.loads(line)
             except ValueError:
                 break
-        count: dict[str, int] = {}
-        for row in rows:
-            count[row["recording"]] = count.get(row["recording"], 0) + 1
-        whole = {name for name, n in count.items() if n == len(self._configs)}
-        self.rows = [row for row in rows if row["recording"] in whole]
-        kept = b"".join(json.dumps(row).encode() + b"\n" for row in self.rows)
+            found.setdefault(row["row"], []).append(row)
+        trials = self._dataset.trials
+        good = {
+            k: rows for k, rows in found.items()
+            if len(rows) == len(self._configs)
+            and all(row["stamp"] == _stamp(self._dataset, trials[k]) for row in rows)
+        }  # fmt: skip
+        kept = b"".join(json.dumps(r).encode() + b"\n" for rows in good.values() for r in rows)
         self._path.write_bytes(header + kept)
-        return whole
+        return good
 
 
 def _results(work: Sequence[_Job], jobs: int) -> Iterator[list[Row]]:

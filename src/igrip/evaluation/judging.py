@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from igrip.evaluation.calibration import BINS
 from igrip.evaluation.movement import movement_bounds, smooth_speeds
 from igrip.evaluation.trials import causal_accuracy, score_trial
-from igrip.evaluation.validity import sight
+from igrip.evaluation.validity import MOST_MISSED, sight
 from igrip.geometry.scene import Placed
 from igrip.intention import Intention
 from igrip.observation import Observation
@@ -21,6 +22,7 @@ from igrip.recording.dataset import Trial
 Array = NDArray[np.float64]
 FRACTIONS = (0.20, 0.30, 0.40, 0.50, 0.60, 0.70, 0.85, 1.00)
 NO_REACH = "none"
+SLACK = 0.1  # a recording may end this much before the movement [s]
 
 
 @dataclass
@@ -72,7 +74,28 @@ class Seen:
         """Return onset and end: those of the table, or else those of the filtered raw trace [s]."""
         if trial.onset_s is not None and trial.end_s is not None:
             return trial.onset_s, trial.end_s
-        return movement_bounds(*smooth_speeds(np.array(self.trace_times), np.array(self.trace)))
+        if len(self.trace) < 3:
+            return None
+        times, speeds = smooth_speeds(np.array(self.trace_times), np.array(self.trace))
+        return movement_bounds(times, speeds, noisy=True)
+
+    def looks(self, begin: float, end: float) -> tuple[list[float], list[bool]]:
+        """Return when the target was looked for, and seen; a source gone silent is one that misses.
+
+        A target that was told just once, for good, needs no second look.
+        """
+        if len(self.looked) < 2:
+            once = self.target == [True]
+            return ([begin, *self.times[1:3]], [True] * 3) if once else (self.looked, self.target)
+        usual = float(np.median(np.diff(self.looked)))
+        times, seen = [], []
+        for t, is_seen, after in zip(
+            self.looked, self.target, [*self.looked[1:], end], strict=True
+        ):
+            silent = int((after - t) / usual - 1e-6) if after - t > max(0.3, 3.0 * usual) else 0
+            times += [t, *(t + usual * (k + 1) for k in range(min(silent, MOST_MISSED + 1)))]
+            seen += [is_seen, *[False] * min(silent, MOST_MISSED + 1)]
+        return times, seen
 
 
 def describe_trial(
@@ -94,13 +117,16 @@ def describe_trial(
     onset, end = bounds
     begin = seen.times[0] if seen.times else 0.0
     hand = sight(np.array(seen.times), np.array(seen.hand, dtype=bool), begin, end)
-    target = sight(np.array(seen.looked), np.array(seen.target, dtype=bool), begin, end)
-    if len(seen.looked) <= 1 and seen.target == [True]:
-        target = hand._replace(found=begin, early=True, longest_gap=0)  # told once, for good
-    reasons = [f"hand {hand.reason}"] if hand.reason else []
+    looked, was_seen = seen.looks(begin, end)
+    target = sight(np.array(looked), np.array(was_seen, dtype=bool), begin, end)
+    cut = coverage(seen, bounds)
+    reasons = [cut] if cut else []
+    reasons += [f"hand {hand.reason}"] if hand.reason else []
     reasons += [f"target {target.reason}"] if target.reason else []
     row |= {
-        "onset_s": onset, "end_s": end, "movement_s": end - onset, "valid": not reasons,
+        "onset_s": onset, "end_s": end, "movement_s": end - onset,
+        "bounds": "trace" if None in (trial.onset_s, trial.end_s) else "table",
+        "valid": not reasons,
         "invalid_reason": "; ".join(reasons) or None,
         "both_seen_0.3s_before_end": all(
             s.found is not None and s.found <= end - 0.3 for s in (hand, target)
@@ -109,9 +135,16 @@ def describe_trial(
     return row | _gaps(trial, seen, onset, objects)
 
 
+def coverage(seen: Seen, bounds: tuple[float, float]) -> str | None:
+    """Say which part of the movement a recording does not hold; None: it holds all of it."""
+    if not seen.times or seen.times[-1] < bounds[1] - SLACK:
+        return "the recording ends before the movement does"
+    return "the recording begins after the movement does" if seen.times[0] > bounds[0] else None
+
+
 def _view(side: str | None, hand: str | None) -> str | None:
     """Return whether the camera stood on the side of the hand."""
-    if not side or not hand:
+    if side not in ("left", "right") or hand not in ("left", "right"):
         return None
     return "ipsi" if side == hand else "contra"
 
@@ -137,9 +170,15 @@ def _gaps(
 
 
 def judge(
-    trial: Trial, bounds: tuple[float, float] | None, intentions: Sequence[Intention]
+    trial: Trial,
+    bounds: tuple[float, float] | None,
+    intentions: Sequence[Intention],
+    last: float = math.inf,
 ) -> dict[str, Any]:
-    """Return how one estimator did in one trial; keys are documented in ``docs/evaluation.md``."""
+    """Return how one estimator did in one trial; keys are documented in ``docs/evaluation.md``.
+
+    ``last`` is the time of the recording's last message [s]: what was not recorded cannot be right.
+    """
     own = [i for i in intentions if i.hand == trial.hand]
     if trial.target in (None, NO_REACH) or bounds is None:
         return _judge_no_reach(intentions) if trial.target == NO_REACH else {}
@@ -154,18 +193,21 @@ def judge(
     counted = (times >= first) & (times <= end)
     row["frames_possible"] = int(counted.sum())
     row["frames_right"] = int(right[counted].sum())
-    row["grip_frames_right"] = int(grip[counted].sum())
+    if trial.grip is not None:
+        row["grip_frames_right"] = int(grip[counted].sum())
+    whole = last >= end - SLACK
     for name, flags in (("", right), ("grip_", grip)):
         if name and trial.grip is None:
             continue
         score = score_trial(times, flags, onset, end)
         row |= {
-            f"{name}success": score.success, f"{name}ratio": score.ratio,
+            f"{name}success": score.success and whole, f"{name}ratio": score.ratio,
             f"{name}found_s": score.found, f"{name}delay_s": score.delay,
             f"{name}delay_clipped_s": None if score.delay is None else max(0.0, score.delay),
             f"{name}margin_s": score.margin,
         }  # fmt: skip
         at = causal_accuracy(times, flags, onset, end, FRACTIONS)
+        at &= onset + np.array(FRACTIONS) * (end - onset) <= last + SLACK
         row |= {f"{name}right_at_{f:.0%}": bool(x) for f, x in zip(FRACTIONS, at, strict=True)}
     return row | _calibration(trial, [i for i in own if onset <= i.t <= end])
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 from scipy.signal import butter, sosfiltfilt
 
 Array = NDArray[np.float64]
 PART_OF_PEAK = 0.10
+OUTLIER_WINDOW = 5  # samples: up to two wrong ones in a row are no movement
 CUTOFF = 6.0  # Hz of the zero-phase filter; reaching is below it (Winter 2009, Biomechanics)
 
 
-def movement_bounds(times: Array, speeds: Array) -> tuple[float, float] | None:
+def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[float, float] | None:
     """Return onset and end of the one movement in a trace of speeds.
 
     Onset: first sample before the peak that is faster than 10 % of it. End: first sample after it
@@ -23,6 +25,10 @@ def movement_bounds(times: Array, speeds: Array) -> tuple[float, float] | None:
         Increasing [s].
     speeds : (n,)
         Of the hand [m/s].
+    noisy : bool
+        Whether the trace is measured: noise at rest then passes 10 % of the peak now and again, so
+        the *last* time that the speed rises above it before the peak is the onset. (Of a reach
+        with a stop on the way that is only the second part.)
 
     Returns
     -------
@@ -40,11 +46,16 @@ def movement_bounds(times: Array, speeds: Array) -> tuple[float, float] | None:
     slow = np.flatnonzero(after < least + PART_OF_PEAK * (speeds[peak] - least))
     if not len(slow):
         return None
+    if noisy:
+        below = np.flatnonzero(speeds[:peak] <= PART_OF_PEAK * speeds[peak])
+        before = before[before > below[-1]] if len(below) else before
+        if not len(before):
+            return None
     return float(times[before[0]]), float(times[peak + 1 + slow[0]])
 
 
 def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
-    """Return speeds of a raw trace after a zero-phase low-pass, on even times.
+    """Return speeds of a raw trace after a median filter and a zero-phase low-pass, on even times.
 
     Parameters
     ----------
@@ -54,13 +65,17 @@ def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
     Returns
     -------
     times, speeds : (m,)
-        At the median rate of the trace [s, m/s]; empty where the trace is too short to filter.
+        At the median rate of the trace [s, m/s]; empty where the trace is too short to filter, or
+        nearly all of its time is a gap.
     """
     if len(times) < 3:
         return np.empty(0), np.empty(0)
     step = float(np.median(np.diff(times)))
+    if not step > 0.0 or times[-1] - times[0] > 20.0 * step * len(times):
+        return np.empty(0), np.empty(0)
     even = times[0] + step * np.arange(int(np.floor((times[-1] - times[0]) / step + 1e-9)) + 1)
-    points = np.stack([np.interp(even, times, positions[:, axis]) for axis in range(3)], axis=1)
+    usual = median_filter(positions, size=(OUTLIER_WINDOW, 1), mode="mirror")
+    points = np.stack([np.interp(even, times, usual[:, axis]) for axis in range(3)], axis=1)
     sections = butter(2, min(CUTOFF, 0.45 / step), fs=1.0 / step, output="sos")
     if len(even) <= 15:
         return np.empty(0), np.empty(0)

@@ -13,6 +13,12 @@ from igrip.evaluation.calibration import BINS, interval_over_groups
 from igrip.evaluation.judging import FRACTIONS, NO_REACH
 
 CONDITIONS = ("view", "movement", "grip", "hand", "target", "group", "participant")
+COLUMNS = (
+    "recording", "participant", "targets", "target", "problem", "remark", "valid", "group", "view",
+    "movement", "grip", "hand", "success", "seconds", "messages", "observed", "objects",
+    "both_seen_0.3s_before_end", "bounds",
+)  # fmt: skip
+LEAST_PEOPLE = 5  # below it an interval over participants says nothing
 ANGLES = (0.0, 10.0, 20.0, 40.0, 180.0)  # edges of the bins of the angular gap [deg]
 DEPTHS = (-np.inf, -0.1, 0.0, 0.1, np.inf)  # of the depth gap [m]
 
@@ -20,18 +26,10 @@ DEPTHS = (-np.inf, -0.1, 0.0, 0.1, np.inf)  # of the depth gap [m]
 def frame_of(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """Return rows as a table."""
     frame = pd.DataFrame(list(rows))
-    for column in (
-        "valid",
-        "problem",
-        "remark",
-        "group",
-        "success",
-        "view",
-        "participant",
-        "both_seen_0.3s_before_end",
-    ):
+    for column in COLUMNS:
         if column not in frame:
             frame[column] = None
+    frame["participant"] = frame["participant"].fillna("unknown")
     return frame
 
 
@@ -68,7 +66,10 @@ def summarise(frame: pd.DataFrame, name: str, targets: Sequence[str]) -> dict[st
         "valid": len(valid),
         "valid_share": len(valid) / len(reaches) if len(reaches) else None,
         "invalid_reasons": _count(reaches, "invalid_reason"),
-        "observed_share": _mean(reaches.get("observed")),
+        "observed_share": _part(
+            (reaches["observed"] * reaches["messages"]).sum(), reaches["messages"].sum()
+        ),
+        "bounds_from_trace": int((reaches["bounds"] == "trace").sum()),
         "movement_s": _mean(reaches.get("movement_s")),
         "no_reach_minutes": float(none["seconds"].sum()) / 60.0 if len(none) else 0.0,
         "targets": {
@@ -100,12 +101,16 @@ def _estimator(rows: pd.DataFrame) -> dict[str, Any]:
 
 def scores(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the paper's numbers and causal accuracy over some trials, with intervals."""
-    result: dict[str, Any] = {"trials": len(rows)}
+    result: dict[str, Any] = {"trials": len(rows)} | dict.fromkeys(
+        ("frames", "success", "success_interval", "delay_s", "delay_clipped_s", "margin_s")
+    )
     if not len(rows) or "frames_possible" not in rows:
         return result
-    frames = float(rows["frames_possible"].sum())
-    result["frames"] = _part(rows["frames_right"].sum(), frames)
-    result["grip_frames"] = _part(rows["grip_frames_right"].sum(), frames)
+    result["frames"] = _part(rows["frames_right"].sum(), rows["frames_possible"].sum())
+    if "grip_frames_right" in rows:
+        asked = rows[rows["grip_frames_right"].notna()]
+        part = _part(asked["grip_frames_right"].sum(), asked["frames_possible"].sum())
+        result["grip_frames"] = part
     for prefix in ("", "grip_"):
         if f"{prefix}success" not in rows or rows[f"{prefix}success"].isna().all():
             continue
@@ -202,7 +207,9 @@ def _calibration(rows: pd.DataFrame) -> dict[str, Any] | None:
 
 
 def _interval(rows: pd.DataFrame, values: pd.Series) -> list[float] | None:
-    groups = rows["participant"].fillna("").astype("category").cat.codes.to_numpy().astype(np.int64)
+    groups = rows["participant"].astype("category").cat.codes.to_numpy().astype(np.int64)
+    if len(np.unique(groups)) < LEAST_PEOPLE:
+        return None
     low, high = interval_over_groups(values.to_numpy(float), groups)
     return None if np.isnan(low) else [low, high]
 

@@ -173,6 +173,7 @@ def observe(reach: Reach, catalog: Catalog, options: ImportOptions) -> list[Obse
         [np.interp(since_onset, reach.times, reach.positions[:, axis]) for axis in range(3)], axis=1
     )
     # seeded by the name, so that a reach is the same whichever others are imported
+    lost = _far_from_samples(since_onset, reach.times)
     random = np.random.default_rng([options.seed, zlib.crc32(reach.name.encode())])
     points += random.normal(0.0, 1.0, points.shape) * options.noise
     objects = {}
@@ -187,11 +188,22 @@ def observe(reach: Reach, catalog: Catalog, options: ImportOptions) -> list[Obse
     return [
         Observation(
             t=k / options.rate,
-            hands={reach.hand: {"position": point}},
+            hands={reach.hand: None if lost[k] else {"position": point}},
             objects=objects if k == 0 else {},
         )
         for k, point in enumerate(points.tolist())
     ]
+
+
+def _far_from_samples(times: Array, samples: Array) -> NDArray[np.bool_]:
+    """Return which times fall into gaps: no sample within 1.5 of their usual interval.
+
+    Bridging a gap would tell an estimator where the hand is going to appear.
+    """
+    after = np.clip(np.searchsorted(samples, times), 1, len(samples) - 1)
+    away = np.minimum(np.abs(times - samples[after - 1]), np.abs(samples[after] - times))
+    far: NDArray[np.bool_] = (away > 1.5 * np.median(np.diff(samples))) & (times > samples[0])
+    return far
 
 
 def write_dataset(

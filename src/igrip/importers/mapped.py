@@ -112,13 +112,23 @@ class Mapped:
             raise DatasetError(f"no table {named!r}; found {', '.join(tables) or 'none'}")
         rows = tables[named].to_dict("records")
         samples = self._samples(tables)
-        return [self._reader(number, row, samples) for number, row in enumerate(rows, start=2)]
+        readers = [self._reader(number, row, samples) for number, row in enumerate(rows, start=2)]
+        listed = {_text(row.get(self._map.trials.trial)) for row in rows}
+        return readers + [self._orphan(name) for name in samples if name not in listed]
+
+    def _orphan(self, name: str) -> Callable[[], Reach]:
+        def read() -> Reach:
+            raise DatasetError(
+                f"trial {name!r} has samples, but no row in table {self._map.trials.table!r}"
+            )
+
+        return read
 
     def _samples(self, tables: Mapping[str, pd.DataFrame]) -> Mapping[str, Any]:
         """Return times and positions of each trial, shape (n, 4), in the tables' own units."""
         want = self._map.samples
         columns = [want.t, want.x, want.y, want.z]
-        found: dict[str, list[Any]] = {}
+        found: dict[str, Any] = {}
         for stem, table in tables.items():
             if stem == self._map.trials.table or not fnmatch.fnmatch(stem, want.table):
                 continue
@@ -136,8 +146,11 @@ class Mapped:
                     values = part[columns].to_numpy(dtype=np.float64)
                 except (TypeError, ValueError) as error:
                     raise DatasetError(f"table {stem!r}: {error}") from None
-                found.setdefault(_text(name), []).append(values)
-        return {name: np.concatenate(values) for name, values in found.items()}
+                key = _text(name) or ""
+                if key in found:
+                    raise DatasetError(f"trial {key!r} is in two tables, {stem!r} is the second")
+                found[key] = values
+        return found
 
     def _reader(
         self, number: int, row: Mapping[Any, Any], samples: Mapping[str, Any]
@@ -145,15 +158,23 @@ class Mapped:
         want = self._map.trials
         where = f"table {want.table!r}, line {number}"
 
-        def cell(column: str) -> str:
+        def cell(column: str | None) -> str | None:
+            if column is None:
+                return None
             if column.startswith("="):
                 return column[1:]
             if column not in row:
                 raise DatasetError(f"{where}: no column {column!r}")
             return _text(row[column])
 
+        def needed(column: str) -> str:
+            text = cell(column)
+            if text is None:
+                raise DatasetError(f"{where}: {column!r} is empty")
+            return text
+
         def read() -> Reach:
-            trial = cell(want.trial)
+            trial = needed(want.trial)
             if trial not in samples:
                 raise DatasetError(f"{where}: trial {trial!r} has no samples")
             values = samples[trial]
@@ -162,14 +183,15 @@ class Mapped:
             times = seen[order, 0] * SECONDS[self._map.time_unit]
             return Reach(
                 name="".join(c if c.isalnum() or c in "-_" else "_" for c in f"{number}_{trial}"),
-                participant=cell(want.participant), trial=trial, hand=cell(want.hand),
-                target=cell(want.target), times=times - (times[0] if len(times) else 0.0),
+                participant=cell(want.participant) or "unknown", trial=trial,
+                hand=needed(want.hand),
+                target=needed(want.target), times=times - (times[0] if len(times) else 0.0),
                 positions=seen[order, 1:] * METRES[self._map.unit],
-                places={id: self._place(place, cell, where) for id, place in
+                places={id: self._place(place, needed, where) for id, place in
                         self._map.objects.items()},
                 models={id: p.model for id, p in self._map.objects.items() if p.model},
-                grip=cell(want.grip) if want.grip else None,
-                movement=cell(want.movement) if want.movement else None, whole=False,
+                grip=_grip(cell(want.grip), where),
+                movement=cell(want.movement), whole=False,
             )  # fmt: skip
 
         return read
@@ -184,8 +206,16 @@ class Mapped:
         return np.array(numbers) * METRES[self._map.unit]
 
 
-def _text(value: object) -> str:
-    """Return a cell as text; whole numbers without a decimal point, as people write them."""
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return str(value)
+def _text(value: object) -> str | None:
+    """Return a cell as text, None for an empty one; whole numbers as people write them."""
+    if value is None or value != value:  # NaN stands for an empty cell
+        return None
+    text = str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+    text = text.strip()
+    return (str(int(text)) if text.isdecimal() else text) or None  # a file 01 is trial 1
+
+
+def _grip(text: str | None, where: str) -> str | None:
+    if text is not None and text.lower() not in ("palmar", "pinch"):
+        raise DatasetError(f"{where}: grip {text!r} is neither palmar nor pinch")
+    return None if text is None else text.lower()

@@ -16,4 +16,6 @@ def participants_without_trials(dataset: Dataset) -> list[str]:
     except (OSError, UnicodeDecodeError, csv.Error):
         return []  # the table is optional
     present = {trial.participant for trial in dataset.trials}
+    if present <= {None}:
+        return []  # the trials do not say whose they are
     return sorted({name for name in named if name and name not in present})

@@ -36,7 +36,7 @@ def findings(summary: Mapping[str, Any]) -> list[Finding]:
     }  # fmt: skip
     singles = {name: known[name] for name in SINGLES if name in known}
     found: list[Finding] = []
-    if "paper" in known and singles:
+    if "paper" in known and len(singles) == len(SINGLES):
         best = max(singles, key=lambda n: singles[n]["success"])
         ours = known["paper"]["success"]
         text = f"paper {ours:.1%}, best single {best} {singles[best]['success']:.1%}"

@@ -36,7 +36,7 @@ def draw_participants(rows: pd.DataFrame) -> Any:
                ("grip found", valid, "grip_success"))  # fmt: skip
     for row, (label, source, column) in enumerate(sources):
         panels[row, 0].set_ylabel(f"{'ABC'[row]}  {label} [%]")
-        if column not in source or source[column].isna().all():
+        if not len(source) or column not in source or source[column].isna().all():
             continue
         for k, (title, split, kinds) in enumerate(SPLITS):
             panel = panels[row, k]
@@ -49,7 +49,8 @@ def draw_participants(rows: pd.DataFrame) -> Any:
                 panel.bar(places, shares.to_numpy(), 0.6 if split is None else 0.3, color=colour,
                           alpha=0.85, label=f"{kind}: mean {shares.mean():.1f}")  # fmt: skip
                 panel.axhline(shares.mean(), color=colour, lw=1, ls="--")
-            panel.legend(fontsize=7, loc="lower right")
+            if panel.patches:
+                panel.legend(fontsize=7, loc="lower right")
             if row == 0:
                 panel.set_title(title, fontsize=9)
             panel.set_ylim(0, 100)
@@ -80,7 +81,8 @@ def draw_accuracy(summary: Mapping[str, Any]) -> Any:
         panel.grid(alpha=0.3)
     panels[0].set_ylabel("newest answer is right [%]")
     panels[0].set_ylim(0, 100)
-    panels[1].legend(fontsize=7, loc="lower right")
+    if panels[1].lines:
+        panels[1].legend(fontsize=7, loc="lower right")
     return figure
 
 

@@ -81,7 +81,7 @@ def write_report(
         fractions=[f"{f:.0%}" for f in FRACTIONS],
         table_i=published.TABLE_I, grip=published.GRIP, conditions=published.CONDITIONS,
         paper_valid=published.VALID_SHARE, paper_observed=published.OBSERVED_SHARE,
-        findings=claims.findings(summary),
+        findings=claims.findings(summary), deviations=claims.deviations(summary),
     )  # fmt: skip
     (out / "report.html").write_text(page, encoding="utf-8")
 
@@ -102,7 +102,7 @@ def _courses(
     dataset: Dataset, catalog: Catalog, rows: pd.DataFrame, targets: str, chosen: str | None
 ) -> Any | None:
     name = chosen or typical(rows)
-    row = rows[rows["recording"] == name]
+    row = rows[(rows["recording"] == name) & rows["problem"].isna()]
     if not len(row) or "onset_s" not in row or pd.isna(row.iloc[0]["onset_s"]):
         return None
     trial = next(t for t in dataset.trials if t.recording == name)

@@ -90,7 +90,9 @@ class ObjectDetector:
     ) -> dict[str, Any] | None:
         camera, random, model = self._camera, self._random, self._table.models[id]
         rotation, translation = (
-            (self._table.rotation(id), self._table.places[id]) if moving is None else moving(t)
+            (self._table.rotation(id), self._table.places[id])
+            if moving is None
+            else moving(max(0.0, t - camera.object_latency))
         )
         if self._left[id] == 0 and random.random() < camera.object_lost:
             self._left[id] = int(random.geometric(1.0 / camera.object_lost_for))
