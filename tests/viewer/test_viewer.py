@@ -61,18 +61,14 @@ def test_show_never_waits(viewer: Viewer, moments: list[Snapshot]) -> None:
     viewer._drawing.draw = endless  # type: ignore[method-assign]
     viewer.show(moments[-1])
     assert drawing.wait(10)
-    begin = time.perf_counter()
     for _ in range(2000):
         viewer.show(moments[-1])
-    seconds = time.perf_counter() - begin
-    assert not go_on.is_set()  # all were handed over while the first was being drawn
     go_on.set()
     deadline = time.monotonic() + 20
     while viewer.drawn < 2 and time.monotonic() < deadline:
         time.sleep(0.01)
-    assert viewer.dropped == 1999  # the newest is drawn next
+    assert viewer.dropped == 1999  # all came while the first was drawn; the newest is next
     assert viewer.drawn == 2
-    assert seconds < 10  # of 20 in which the drawing stood still
 
 
 def test_the_estimator_says_the_same_with_a_page(viewer: Viewer) -> None:

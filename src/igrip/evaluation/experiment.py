@@ -5,9 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import multiprocessing
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,7 @@ from igrip.config import Config
 from igrip.errors import IgripError, RecordingError
 from igrip.estimator import Estimator
 from igrip.evaluation.judging import NO_REACH, Seen, coverage, describe_trial, judge
+from igrip.evaluation.processes import in_processes
 from igrip.geometry.scene import Placed
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog, load_objects
@@ -188,7 +187,7 @@ class Experiment:
         rows = [row for k, _ in chosen for row in done.get(k, [])]
         try:
             with self._path.open("ab") as file:
-                for new in _results(work, min(jobs, max(1, len(work) // 10))):
+                for new in in_processes(_run_job, work, min(jobs, max(1, len(work) // 10))):
                     for row in new:
                         file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
                     file.flush()
@@ -224,12 +223,3 @@ class Experiment:
         kept = b"".join(json.dumps(r).encode() + b"\n" for rows in good.values() for r in rows)
         self._path.write_bytes(header + kept)
         return good
-
-
-def _results(work: Sequence[_Job], jobs: int) -> Iterator[list[Row]]:
-    if jobs <= 1:
-        yield from map(_run_job, work)
-        return
-    context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        yield from pool.map(_run_job, work, chunksize=max(1, min(20, len(work) // (8 * jobs))))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import numpy as np
 from igrip.config import Config
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
+from igrip.evaluation.processes import in_processes
 from igrip.evaluation.trials import TrialScore, causal_accuracy, score_trial
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog, load_objects
@@ -156,9 +155,4 @@ def run_dataset(
         _Job(dataset.path, trial, tuple(configs), sources, keep_intentions)
         for trial in (dataset.trials if trials is None else trials)
     ]
-    if jobs == 1:
-        yield from map(_run_job, work)
-        return
-    context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        yield from pool.map(_run_job, work, chunksize=max(1, min(50, len(work) // (8 * jobs))))
+    yield from in_processes(_run_job, work, jobs)

@@ -15,6 +15,7 @@ from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
 from igrip.settings import Settings, quantity
 from igrip.simulation.minimum_jerk import reach
+from igrip.simulation.table import Table
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,8 @@ class DemoConfig(Settings):
     hold: float = quantity(0.6, "s", "hold at the object", ge=0)
     back: float = quantity(0.9, "s", "duration of the way back", gt=0)
     lift: float = quantity(0.06, "m", "height of the path over the straight line", ge=0)
-    palm: float = quantity(0.06, "m", "palm to surface at the end of a reach", ge=0)
+    palm_to_body: float = quantity(0.06, "m", "palm to surface in a palmar grasp", ge=0)
+    palm_to_top: float = quantity(0.06, "m", "palm over the top in a pinch", ge=0)
 
 
 @dataclass(frozen=True)
@@ -119,18 +121,8 @@ class DemoPerson:
         A palmar grip ends beside the body at mid-height, on the side of the hand; a pinch above the
         top.
         """
-        model, place = self.models[task.target], self.places[task.target]
-        rotation = _yaw(self.yaws[task.target])
-        middle = place + rotation @ model.origin
-        if task.grip == "pinch":
-            above: Array = middle + np.array([0.0, 0.0, 0.5 * model.length + self.config.palm])
-            return above
-        aside = self.rest[task.hand][:2] - middle[:2]
-        aside /= np.linalg.norm(aside)
-        corners = (model.vertices @ rotation.T + place)[:, :2] - middle[:2]
-        away = (float((corners @ aside).max()) + self.config.palm) * aside
-        beside: Array = middle + np.array([away[0], away[1], 0.0])
-        return beside
+        table = Table(self.models, self.places, self.yaws)
+        return table.grasp_point(task.target, task.grip, self.rest[task.hand], self.config)
 
     def hands(self, task: Task, t: float) -> dict[str, Array]:
         """Return where both palms truly are at a time of a task [m]."""

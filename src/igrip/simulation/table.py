@@ -5,14 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.objects.model import ObjectModel
-from igrip.simulation.parameters import Protocol
+from igrip.simulation import parameters
 
 Array = NDArray[np.float64]
+
+
+class Gap(Protocol):
+    """How far a palm is from what it grasps."""
+
+    @property
+    def palm_to_body(self) -> float:
+        """From the surface, in a palmar grasp [m]."""
+        ...
+
+    @property
+    def palm_to_top(self) -> float:
+        """Over the top, in a pinch [m]."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -43,26 +58,26 @@ class Table:
         point: Array = self.places[id] + self.rotation(id) @ self.models[id].origin
         return point
 
-    def grasp_point(self, id: str, grip: str, hand: Array, protocol: Protocol) -> Array:
+    def grasp_point(self, id: str, grip: str, hand: Array, gap: Gap) -> Array:
         """Return where the palm is at the end of a reach from ``hand``, shape (3,) [m].
 
         A palmar grip ends beside the body at mid-height, on the side of the hand; a pinch above
-        the top.
+        the top. ``gap`` says how far from them.
         """
         model, middle = self.models[id], self.middle(id)
         if grip == "pinch":
-            above: Array = middle + [0.0, 0.0, 0.5 * model.length + protocol.palm_to_top]
+            above: Array = middle + [0.0, 0.0, 0.5 * model.length + gap.palm_to_top]
             return above
         aside = hand[:2] - middle[:2]
         aside = aside / np.linalg.norm(aside)
         corners = (model.vertices @ self.rotation(id).T + self.places[id])[:, :2] - middle[:2]
-        away = (float((corners @ aside).max()) + protocol.palm_to_body) * aside
+        away = (float((corners @ aside).max()) + gap.palm_to_body) * aside
         beside: Array = middle + [away[0], away[1], 0.0]
         return beside
 
 
 def set_table(
-    models: Mapping[str, ObjectModel], protocol: Protocol, random: np.random.Generator
+    models: Mapping[str, ObjectModel], protocol: parameters.Protocol, random: np.random.Generator
 ) -> Table:
     """Place objects at random between the hands' rest and the screen, not too close together."""
     while True:
