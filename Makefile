@@ -4,7 +4,10 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
-.PHONY: pictures report golden help demo test test-slow lint types contract unit schemas system clean
+REACHES ?= ../shared/data/wispinski2021
+WORK ?= /tmp/igrip-estimators
+
+.PHONY: train estimators pictures report golden help demo test test-slow lint types contract unit schemas system clean
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
@@ -19,7 +22,7 @@ test-slow: $(READY)  ## the long suites
 lint: $(READY)  ## style and spelling
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/codespell src tests docs examples *.md
+	$(BIN)/codespell src tests training docs examples *.md
 
 types: $(READY)  ## static types
 	$(BIN)/mypy
@@ -44,7 +47,7 @@ clean:  ## forget the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training]'
 	touch $@
 
 pictures: $(READY)  ## make the pictures of the documentation (after make system)
@@ -55,3 +58,9 @@ report: $(READY)  ## make the report of a small cohort in the documentation
 
 golden: $(READY)  ## write the golden vectors anew, from the oracle alone
 	$(BIN)/python tests/golden/make_golden.py
+
+train: $(READY)  ## train what is learned (REACHES=folder with the tables of near/far reaches; 6 min)
+	$(BIN)/python -m training $(REACHES)
+
+estimators: $(READY)  ## make the tables of all estimators on all sets (REACHES=folder; half an hour)
+	$(BIN)/python docs/make_estimators.py $(REACHES) $(WORK)

@@ -11,7 +11,7 @@ from igrip.motion.trajectory import Motion
 def motion(speed=0.5, peak=0.4):
     """Return a motion of which only the speeds matter."""
     zero = np.zeros((3, 3))
-    return Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None)
+    return Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None, zero[0])
 
 
 def geometry(count=3, **arrays):
@@ -23,4 +23,7 @@ def geometry(count=3, **arrays):
     fields |= {name: np.asarray(value) for name, value in arrays.items()}
     fields["spread"] = float(fields["spread"])
     pair = np.stack([fields.pop("surface"), fields.pop("future_surface")])
-    return Geometry(objects=list(range(count)), surfaces=lambda: pair, **fields)
+    rows = np.full((count, 11), np.nan)
+    return Geometry(
+        objects=list(range(count)), surfaces=lambda: pair, cylinders=lambda: rows, **fields
+    )

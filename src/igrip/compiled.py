@@ -22,9 +22,12 @@ KERNEL_SOURCES = (
     "compiled.py",
     "motion/low_pass.py",
     "motion/quadratic.py",
+    "motion/kinematics.py",
+    "motion/course.py",
     "geometry/bvh.py",
     "geometry/cones.py",
     "geometry/contact.py",
+    "geometry/cylinder.py",
     "geometry/local.py",
     "geometry/nearest.py",
     "geometry/ray.py",
@@ -33,6 +36,10 @@ KERNEL_SOURCES = (
     "cues/distance_derivative.py",
     "cues/impacts.py",
     "targets/weighted.py",
+    "targets/features.py",
+    "targets/network.py",
+    "targets/bayes.py",
+    "grips/contact.py",
 )
 
 

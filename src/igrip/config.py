@@ -23,7 +23,8 @@ class Config(Settings):
         Name of the targets estimator. The default is the one with the highest mean causal accuracy
         at 40 and 60 % of the movement on real near/far reaches (README, "Real reaches").
     grips : str
-        Name of the grip selector.
+        Name of the grip selector; ``contact`` is the paper's ``cylinder`` for targets estimators
+        without a posterior.
     motion, objects, rays, cues, grip, health, world
         Configurations of the stages, see there.
 
@@ -33,8 +34,8 @@ class Config(Settings):
     'surface'
     """
 
-    targets: str = "repaired"
-    grips: str = "cylinder"
+    targets: str = "bayes"
+    grips: str = "contact"
     motion: MotionConfig = Field(default=MotionConfig())
     objects: ObjectConfig = Field(default=ObjectConfig())
     rays: RayConfig = Field(default=RayConfig())

@@ -84,7 +84,7 @@ class Estimator:
         ):
             cues = {cue.name: cue.score(motion, geometry, self.config.cues) for cue in self._cues}
             belief = self._targets_of(hand).update(motion, geometry, cues)
-            grip = self._grips.select(belief, geometry)
+            grip = self._grips.select(belief, geometry, motion)
             intentions[hand.id] = self._intention(hand, geometry, cues, belief, grip, trouble)
         return self._complete(intentions, measured)
 

@@ -103,6 +103,7 @@ def moving(position, coefficients):
         future=c0 + steps * c1 + steps**2 * c2,
         future_velocity=c1 + 2.0 * steps * c2,
         reach=Reach("rest", 0.0, tuple(position), 0.0, 0.0),
+        measured=np.array(position),
     )
 
 
@@ -156,6 +157,7 @@ def geometry_of(case):
         half_length=none,
         spread=float(gaps.max()) if len(centres) > 1 else np.nan,
         surfaces=lambda: np.stack([none, none]),
+        cylinders=lambda: np.empty((len(centres), 0)),
     )
 
 
@@ -164,7 +166,7 @@ def test_scores():
         geometry = geometry_of(case)
         speed, peak = case["speed"], case["peak"]
         zero = np.zeros((3, 3))
-        motion = Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None)
+        motion = Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None, zero[0])
         cues = {name: CUES.get(name).score(motion, geometry, CueConfig()) for name in METRICS}
         for name in METRICS:
             assert cues[name] == pytest.approx(case["scores"][name], **TIGHT), name

@@ -20,7 +20,7 @@ from support import BOX, PAPER, placed, random_turn
 def select(target, axial, half_length, **config):
     grip = GRIPS.get("cylinder")(GripConfig(**config))
     frame = geometry(len(axial), axial=axial, half_length=half_length)
-    return grip.select(Belief(target, np.zeros(len(axial))), frame)
+    return grip.select(Belief(target, np.zeros(len(axial))), frame, None)
 
 
 @given(st.floats(-0.3, 0.3), st.floats(0.01, 0.3))
@@ -64,14 +64,14 @@ def test_beside_palmar_above_and_below_pinch(ycb, name):
         side = np.cross(model.axis, rng.normal(size=3))
         local = model.origin + height * half * model.axis + 0.1 * side / np.linalg.norm(side)
         [measured] = Scene(RayConfig()).measure([at(turn.apply(local) + shift)], [body])
-        assert grip.select(Belief(0, np.ones(1)), measured).name == expected
+        assert grip.select(Belief(0, np.ones(1)), measured, None).name == expected
 
 
 def at(position):
     """Return the motion of a hand that rests at a position."""
     zero = np.zeros((3, 3))
     return Motion(0.0, position, zero, zero[0], 0.0, None, np.tile(position, (10, 1)),
-                  np.zeros((10, 3)), None)  # fmt: skip
+                  np.zeros((10, 3)), None, position)  # fmt: skip
 
 
 def test_the_full_length_would_put_the_border_outside(shapes):

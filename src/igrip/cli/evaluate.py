@@ -12,12 +12,15 @@ from igrip.cli.console import errors, output, print_json, progress
 from igrip.config import Config
 from igrip.errors import MissingExtraError, RecordingError
 from igrip.evaluation.experiment import Experiment
+from igrip.grips import GRIPS
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
 from igrip.recording.participants import participants_without_trials
 from igrip.targets import TARGETS
 
-USUAL = ("paper", "repaired", "impacts", "distance_derivative", "distance", "future_distance")
+USUAL = (
+    "paper", "repaired", "bayes", "impacts", "distance_derivative", "distance", "future_distance",
+)  # fmt: skip
 
 
 def evaluate(
@@ -27,6 +30,9 @@ def evaluate(
         list[str] | None,
         typer.Option(help="Targets estimator; repeatable. Default: all that are known."),
     ] = None,
+    grips: Annotated[
+        str, typer.Option(help="Grip selector: contact, or cylinder (the paper's).")
+    ] = Config().grips,
     objects: Annotated[
         list[str] | None,
         typer.Option(help="Where models come from, in place of the dataset's own."),
@@ -57,13 +63,16 @@ def evaluate(
     names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
     for name in names:
         TARGETS.get(name)
+    GRIPS.get(grips)
     opened = Dataset.open(dataset, lenient=True)
     chosen = list(opened.trials)
     if 0 < limit < len(chosen):
         chosen = [chosen[k * len(chosen) // limit] for k in range(limit)]
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
-    experiment = Experiment(opened, [Config(targets=n) for n in names], out, objects or ())
+    experiment = Experiment(
+        opened, [Config(targets=n, grips=grips) for n in names], out, objects or ()
+    )
     with progress() as bar:
         task = bar.add_task(f"evaluating {opened.name}", total=len(chosen))
         for done in experiment.run(chosen, jobs or os.cpu_count() or 1):

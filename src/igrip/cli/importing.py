@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +10,14 @@ import typer
 
 from igrip.cli.console import errors, output, print_json, progress
 from igrip.errors import DatasetError
-from igrip.importers.base import Importer, ImportOptions, find_importer, read_tables, write_dataset
+from igrip.importers.base import (
+    Importer,
+    ImportOptions,
+    Reach,
+    find_importer,
+    read_tables,
+    write_dataset,
+)
 from igrip.importers.mapped import Mapped, read_map
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
@@ -46,6 +53,9 @@ def import_tables(
         int,
         typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.", min=0),
     ] = 0,
+    participants: Annotated[
+        Path | None, typer.Option(help="Only these people: a file with one id a line.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
     """Turn motion-capture tables into a dataset.
@@ -63,6 +73,8 @@ def import_tables(
     found = read_tables(tables)
     importer: Importer = find_importer(found) if columns is None else Mapped(read_map(columns))
     reaches = importer.reaches(found)
+    if participants is not None:
+        reaches = _only(reaches, participants)
     if 0 < limit < len(reaches):
         reaches = [reaches[k * len(reaches) // limit] for k in range(limit)]
     dataset: Dataset | None = None
@@ -93,6 +105,25 @@ def import_tables(
         f"{summary['trials']} trials of {summary['participants']} participants in {out}",
     )
     errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
+
+
+def _only(reaches: Sequence[Callable[[], Reach]], file: Path) -> list[Callable[[], Reach]]:
+    """Keep the reaches of the people named in a file."""
+    try:
+        people = set(file.read_text(encoding="utf-8").split())
+    except (OSError, ValueError) as error:
+        raise DatasetError(f"{file}: cannot be read as a list of people: {error}") from error
+    kept = [read for read in reaches if _person(read) in people]
+    if not kept:
+        raise DatasetError(f"{file}: none of these people is in the tables")
+    return kept
+
+
+def _person(read: Callable[[], Reach]) -> str | None:
+    try:
+        return read().participant
+    except DatasetError:  # it will be left out by name
+        return None
 
 
 def _absolute(sources: Sequence[str]) -> list[str]:

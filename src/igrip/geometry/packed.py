@@ -27,6 +27,8 @@ class Packed(NamedTuple):
         As :func:`igrip.geometry.kernel.measure` reads them.
     half_lengths : (m,)
         Of their bounding cylinders [m].
+    sizes : (m, 2)
+        Half-lengths and radii of these [m].
     """
 
     models: dict[str, ObjectModel]
@@ -38,6 +40,7 @@ class Packed(NamedTuple):
     axes: Array
     origins: Array
     half_lengths: Array
+    sizes: Array
 
 
 def pack(models: dict[str, ObjectModel]) -> Packed:
@@ -55,6 +58,7 @@ def pack(models: dict[str, ObjectModel]) -> Packed:
         axes=np.array(frames).reshape(-1, 3, 3),
         origins=np.array([model.origin for model in models.values()]).reshape(-1, 3),
         half_lengths=np.array([0.5 * model.length for model in models.values()]),
+        sizes=np.array([(0.5 * m.length, m.radius) for m in models.values()]).reshape(-1, 2),
     )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from igrip.entities import Vector
-from igrip.geometry import contact, kernel
+from igrip.geometry import contact, cylinder, kernel
 from igrip.geometry.packed import Packed, pack
 from igrip.motion.trajectory import Motion
 from igrip.objects.model import ObjectModel
@@ -103,6 +103,8 @@ class Geometry(NamedTuple):
         d_max: largest distance between two centres [m]; NaN for fewer than two objects.
     surfaces : function
         Measures ``surface`` and ``future_surface``, shape (2, o).
+    cylinders : function
+        Places the bounding cylinders, shape (o, 11): see :mod:`igrip.geometry.cylinder`.
     """
 
     objects: Sequence[Placed]
@@ -115,6 +117,7 @@ class Geometry(NamedTuple):
     half_length: Array
     spread: float
     surfaces: Callable[[], Array]
+    cylinders: Callable[[], Array]
 
     @property
     def surface(self) -> Array:
@@ -172,6 +175,7 @@ class Scene:
         models = np.array([packed.number[o.model.name] for o in objects], dtype=np.int64)
         poses = _rows([o.rotation for o in objects]), _rows([o.translation for o in objects])
         centres = _rows([o.centre for o in objects])
+        velocities = _rows([o.velocity for o in objects])
         positions = _rows([hand.position for hand in hands])
         futures = _rows([hand.future for hand in hands])
         hits = np.zeros((len(hands), count), dtype=np.int64)
@@ -179,7 +183,7 @@ class Scene:
         centre_rates, axial = np.empty((len(hands), count)), np.empty((len(hands), count))
         kernel.measure(
             packed.bvh, packed.vertices, packed.starts, packed.spheres, packed.axes, packed.origins,
-            models, *poses, centres, _rows([o.velocity for o in objects]),
+            models, *poses, centres, velocities,
             positions, _rows([hand.velocity for hand in hands]),
             futures, _rows([hand.future_velocity for hand in hands]),
             self._pattern, self._cone, hits, distances, centre_rates, axial, self.counters,
@@ -190,6 +194,14 @@ class Scene:
             out = np.empty((2, len(hands), count))
             kernel.surfaces(
                 packed.bvh, packed.starts, models, *poses, positions, futures, out, self.counters
+            )
+            return out
+
+        @cache
+        def cylinders() -> Array:
+            out = np.empty((count, cylinder.WIDTH))
+            cylinder.place_cylinders(
+                models, packed.axes, packed.origins, packed.sizes, *poses, velocities, out
             )
             return out
 
@@ -206,6 +218,7 @@ class Scene:
                 half_length=half_lengths,
                 spread=spread,
                 surfaces=lambda h=h: surfaces()[:, h],  # type: ignore[misc]
+                cylinders=cylinders,
             )
             for h in range(len(hands))
         ]
@@ -272,5 +285,7 @@ def _rows(arrays: Sequence[Array]) -> Array:
 
 def _nothing() -> Geometry:
     none, no_hits = np.empty(0), np.empty(0, dtype=np.int64)
-    pair = np.empty((2, 0))
-    return Geometry([], no_hits, none, none, none, none, none, none, math.nan, lambda: pair)
+    pair, rows = np.empty((2, 0)), np.empty((0, cylinder.WIDTH))
+    return Geometry(
+        [], no_hits, none, none, none, none, none, none, math.nan, lambda: pair, lambda: rows
+    )

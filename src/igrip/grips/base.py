@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
 from igrip.geometry.scene import Geometry
+from igrip.motion.trajectory import Motion
 from igrip.registry import Registry
 from igrip.settings import Settings, quantity
 from igrip.targets.base import Belief
@@ -29,7 +30,7 @@ class Grip(NamedTuple):
 class GripSelector(Protocol):
     """Selects the grip of one hand."""
 
-    def select(self, belief: Belief, geometry: Geometry) -> Grip:
+    def select(self, belief: Belief, geometry: Geometry, motion: Motion) -> Grip:
         """Return the grip for the target that is believed in."""
         ...
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from igrip.geometry.scene import Geometry
 from igrip.grips.base import GRIPS, Grip, GripConfig
+from igrip.motion.trajectory import Motion
 from igrip.targets.base import Belief
 
 
@@ -28,7 +29,7 @@ class CylinderGrip:
     def __init__(self, config: GripConfig) -> None:
         self._pinch_from = config.pinch_from
 
-    def select(self, belief: Belief, geometry: Geometry) -> Grip:
+    def select(self, belief: Belief, geometry: Geometry, motion: Motion) -> Grip:
         """Return the grip for the target, none without one."""
         if belief.target is None:
             return Grip(None)

@@ -52,6 +52,8 @@ class Motion(NamedTuple):
         Predicted velocities [m/s].
     reach : Reach
         Phase of the movement.
+    measured : (3,)
+        The newest sample as it was measured, not filtered [m].
     """
 
     t: float
@@ -63,6 +65,7 @@ class Motion(NamedTuple):
     future: Array
     future_velocity: Array
     reach: Reach
+    measured: Array
 
 
 class Trajectory:
@@ -126,6 +129,7 @@ class Trajectory:
             future=future,
             future_velocity=future_velocity,
             reach=self._reach.update(t, filtered, speed),
+            measured=np.array(position),
         )
 
     def _append(self, t: float, position: Vector) -> None:

@@ -1,0 +1,138 @@
+"""Where will the hand touch? The paper's zones at the predicted place, with a probability.
+
+The paper reads the grip off where the hand is *now* beside its target (``cylinder``). On its way a
+hand is elsewhere than where it will touch: it starts low, and rises over the chord. Here a logistic
+model looks at where the hand is along the object's axis, where it will be, and from which side it
+comes; the answer is averaged over what may be the target.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from itertools import combinations_with_replacement
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.compiled import kernel
+from igrip.errors import IgripError
+from igrip.geometry import cylinder
+from igrip.geometry.scene import Geometry
+from igrip.grips.base import GRIPS, Grip, GripConfig
+from igrip.grips.cylinder import CylinderGrip
+from igrip.motion.trajectory import Motion
+from igrip.targets.base import Belief
+
+Array = NDArray[np.float64]
+WEIGHTS = Path(__file__).with_name("contact.json")
+FORMAT = "igrip-contact/1"
+INPUTS = ("height_now", "height_soon", "height_at_contact", "aside", "descent", "speed_to_go")
+TERMS = (
+    "1", *INPUTS, *(f"{a} {b}" for a, b in combinations_with_replacement(INPUTS, 2)),
+)  # fmt: skip
+SOON = 0.3  # s
+MOST = 3.0  # a bound for all inputs
+
+
+@kernel
+def approach_of(position, velocity, cylinders, inputs):
+    """Write how a hand approaches each object, in half-lengths of the object.
+
+    Parameters
+    ----------
+    position, velocity : (3,)
+        Of the hand, world frame [m, m/s].
+    cylinders : (o, 11)
+        As :mod:`igrip.geometry.cylinder` lays them out.
+    inputs : (o, 6), written
+        Height along the axis over the middle, now, soon and when the hand will reach the side of
+        the cylinder (positive towards the end that it is nearer to soon); distance from the side;
+        part of the speed that goes down from that end; how far the hand goes in 0.3 s.
+    """
+    for o in range(cylinders.shape[0]):
+        half = cylinders[o, cylinder.HALF_LENGTH]
+        height = rise = out2 = outwards = speed2 = 0.0
+        for axis in range(3):
+            direction = cylinders[o, cylinder.AXIS + axis]
+            height += (position[axis] - cylinders[o, axis]) * direction
+            rise += (velocity[axis] - cylinders[o, cylinder.VELOCITY + axis]) * direction
+        for axis in range(3):
+            direction = cylinders[o, cylinder.AXIS + axis]
+            away = position[axis] - cylinders[o, axis] - height * direction
+            moves = velocity[axis] - cylinders[o, cylinder.VELOCITY + axis]
+            out2 += away * away
+            outwards += away * (moves - rise * direction)
+            speed2 += moves * moves
+        out = math.sqrt(out2)
+        aside = max(out - cylinders[o, cylinder.RADIUS], 0.0)
+        inwards = -outwards / (out + 1e-9)
+        speed = math.sqrt(speed2)
+        time = min(aside / inwards, 2.0) if inwards > 1e-9 else 0.0
+        soon = height + min(SOON, time) * rise
+        end = 1.0 if soon >= 0.0 else -1.0
+        inputs[o, 0] = end * height / half
+        inputs[o, 1] = end * soon / half
+        inputs[o, 2] = end * (height + time * rise) / half
+        inputs[o, 3] = aside / half
+        inputs[o, 4] = -end * rise / (speed + 1e-9)
+        inputs[o, 5] = speed * SOON / half
+        for k in range(6):
+            inputs[o, k] = min(max(inputs[o, k], -MOST), MOST)
+
+
+@kernel
+def pinch_odds(inputs, weights, odds):
+    """Write the log-odds of a pinch: a polynomial of degree 2 in the inputs, as in TERMS."""
+    for o in range(inputs.shape[0]):
+        total, term = weights[0], 1
+        for i in range(inputs.shape[1]):
+            total += weights[term] * inputs[o, i]
+            term += 1
+        for i in range(inputs.shape[1]):
+            for j in range(i, inputs.shape[1]):
+                total += weights[term] * inputs[o, i] * inputs[o, j]
+                term += 1
+        odds[o] = total
+
+
+@cache
+def weights() -> Array:
+    """Return the learned weights, in the order of :data:`TERMS`.
+
+    Raises
+    ------
+    IgripError
+        If the file is not of this format, or was made for other terms.
+    """
+    told = json.loads(WEIGHTS.read_text(encoding="utf-8"))
+    if told.get("format") != FORMAT or tuple(told["weights"]) != TERMS:
+        raise IgripError(f"{WEIGHTS}: is not of the format {FORMAT}; train it anew (make train)")
+    return np.array(list(told["weights"].values()))
+
+
+@GRIPS.register("contact")
+class ContactGrip:
+    """Selects by where the hand will touch what may be its target."""
+
+    def __init__(self, config: GripConfig) -> None:
+        self._weights = weights()
+        self._paper = CylinderGrip(config)
+
+    def select(self, belief: Belief, geometry: Geometry, motion: Motion) -> Grip:
+        """Return the likelier grip and the probability of both; none without a target.
+
+        Where the belief is no posterior there is nothing to average over: the paper's rule holds.
+        """
+        if belief.target is None or belief.probability is None:
+            return self._paper.select(belief, geometry, motion)
+        objects = belief.probability[:-1]
+        inputs, odds = np.empty((len(objects), len(INPUTS))), np.empty(len(objects))
+        approach_of(motion.position, motion.velocity, geometry.cylinders(), inputs)
+        pinch_odds(inputs, self._weights, odds)
+        pinch = 1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))
+        likely = float(objects @ pinch / objects.sum())
+        name = "pinch" if likely >= 0.5 else "palmar"
+        return Grip(name, {"palmar": 1.0 - likely, "pinch": likely})

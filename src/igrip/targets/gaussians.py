@@ -1,0 +1,47 @@
+"""Baseline: a Gaussian for each step of time (Pérez-D'Arpino & Shah 2015, ICRA, 6175-6182).
+
+A library of demonstrated reaches gives mean and covariance of the place of the hand at each step
+of time after the onset; the partial movement is classified by the product of these densities, over
+equal priors. The paper aligns demonstrations by dynamic time warping and has one library for each
+fixed place; ours is one library in the frame of the reach (:mod:`igrip.targets.library`), on
+unwarped time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from igrip.geometry.scene import Geometry
+from igrip.motion.trajectory import Motion
+from igrip.targets.base import TARGETS, Belief, Scores, best_of
+from igrip.targets.library import Follower, Witness, library
+
+
+class Gaussians:
+    """Classifies a movement by Gaussians over time."""
+
+    def __init__(self) -> None:
+        told = library()["gaussians"]
+        self._step = float(told["step_s"])
+        self._mean = np.array(told["mean"])
+        self._precision = np.linalg.inv(np.array(told["covariance"]))
+        self._log_size = 0.5 * np.linalg.slogdet(self._precision)[1]
+        self._follower, self._witness = Follower(), Witness(self._step)
+
+    def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
+        """Return the object whose reach the movement so far fits best."""
+        seen = self._follower.update(motion, geometry)
+        if seen is None:
+            self._witness.reset()
+            return Belief(None, np.zeros(len(geometry.objects)))
+        k = min(int(seen.elapsed / self._step), len(self._mean) - 1)
+        off = seen.place - self._mean[k]
+        fit = -0.5 * np.einsum("oi,ij,oj->o", off, self._precision[k], off) + self._log_size[k]
+        # densities in lengths of each reach, made comparable: of two dimensions
+        shares = self._witness.hear(geometry, seen.passed, fit - 2.0 * np.log(seen.length))
+        return Belief(best_of(shares), shares)
+
+
+TARGETS.register("gaussians")(Gaussians)

@@ -1,0 +1,122 @@
+"""What the field's methods learned from the same people as ``bayes``, and how they see a reach.
+
+Their papers classify among a few fixed places. Here objects stand anywhere, so a movement is seen
+in the frame of each reach that it could be: how far it has come along the line from its start to
+the object, and how far it is from that line, in lengths of the line.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.errors import IgripError
+from igrip.geometry import cylinder
+from igrip.geometry.scene import Geometry
+from igrip.motion import course
+from igrip.motion.course import Course
+from igrip.motion.trajectory import Motion
+from igrip.targets.features import LOCAL, SHARED, describe
+
+Array = NDArray[np.float64]
+LIBRARY = Path(__file__).with_name("library.json")
+FORMAT = "igrip-library/1"
+PROGRESS, DEVIATION = LOCAL.index("progress"), LOCAL.index("deviation")
+
+
+class InReach(NamedTuple):
+    """A moving hand in the frame of the reach to each object.
+
+    Attributes
+    ----------
+    elapsed, passed : float
+        Since the onset, and since the sample before [s].
+    place : (o, 2)
+        Progress and deviation, in lengths of the reach.
+    length : (o,)
+        From the start to the object [m].
+    """
+
+    elapsed: float
+    passed: float
+    place: Array
+    length: Array
+
+
+class Follower:
+    """Sees a hand in the frame of every reach that it could be doing.
+
+    Attributes
+    ----------
+    course : Course
+        Its movement so far.
+    """
+
+    def __init__(self) -> None:
+        self.course = Course()
+
+    def update(self, motion: Motion, geometry: Geometry) -> InReach | None:
+        """Take the next frame; None while the hand rests or there is nothing to reach."""
+        state = self.course.state
+        before = float(state[course.TIME])
+        if not self.course.update(motion.t, motion.measured) or not geometry.objects:
+            return None
+        cylinders = geometry.cylinders()
+        local, shared = np.empty((len(cylinders), len(LOCAL))), np.empty(len(SHARED))
+        describe(state, self.course.points, self.course.now, cylinders, local, shared)
+        start = state[course.START : course.START + 3]
+        away = cylinders[:, cylinder.MIDDLE : cylinder.AXIS] - start
+        return InReach(
+            elapsed=float(motion.t - state[course.ONSET]),
+            passed=min(float(motion.t - before), float(motion.t - state[course.ONSET])),
+            place=local[:, [PROGRESS, DEVIATION]],
+            length=np.maximum(np.linalg.norm(away, axis=1), 1e-3),
+        )
+
+
+class Witness:
+    """Log-likelihood of each object since the onset of the movement, by id.
+
+    Samples are counted by the time they stand for, so that a faster sensor is no better witness.
+    """
+
+    def __init__(self, step: float) -> None:
+        self._step = step
+        self._heard: dict[str, float] = {}
+
+    def reset(self) -> None:
+        """Forget the movement."""
+        self._heard = {}
+
+    def hear(self, geometry: Geometry, passed: float, likelihood: Array) -> Array:
+        """Add the log-likelihoods of a sample; return the probability of each object."""
+        unheard = min(self._heard.values(), default=0.0)  # objects that appear on the way
+        steps = passed / self._step
+        self._heard = {
+            placed.id: self._heard.get(placed.id, unheard) + steps * float(value)
+            for placed, value in zip(geometry.objects, likelihood, strict=True)
+        }
+        total = np.array(list(self._heard.values()))
+        likely = np.exp(total - total.max())
+        share: Array = likely / likely.sum()
+        return share
+
+
+@cache
+def library() -> dict[str, Any]:
+    """Return what was learned.
+
+    Raises
+    ------
+    IgripError
+        If the file is not of this format.
+    """
+    told: dict[str, Any] = json.loads(LIBRARY.read_text(encoding="utf-8"))
+    if told.get("format") != FORMAT:
+        raise IgripError(f"{LIBRARY}: is not of the format {FORMAT}")
+    return told

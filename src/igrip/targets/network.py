@@ -1,0 +1,147 @@
+"""The learned scorer: one small network for every object alike, read from a file of text."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.compiled import kernel
+from igrip.errors import IgripError
+from igrip.targets.features import LOCAL, SHARED
+
+Array = NDArray[np.float64]
+FORMAT = "igrip-scorer/1"
+RIVALRY = 10.0
+"""How fast the weight of a rival falls with its angle: exp(10 (cos - 1)), 1/e at 26 degrees."""
+HEADING = LOCAL.index("heading_so_far")
+INPUTS = (*LOCAL, *(f"{name}_beyond_rivals" for name in LOCAL), *SHARED)
+BOUND = 4.0
+
+
+@kernel
+def arrange(local, shared, inputs):
+    """Write what the network sees of each object: itself, itself less its rivals, the movement.
+
+    The rivals' mean (the object among them) is weighted by how well they lie in the direction of
+    the movement, so that clutter elsewhere changes nothing.
+
+    Parameters
+    ----------
+    local : (o, l), shared : (s,)
+        Of :mod:`igrip.targets.features`.
+    inputs : (o, 2 l + s), written
+        In the order of :data:`INPUTS`.
+    """
+    objects, width = local.shape
+    total = 0.0
+    mean = np.zeros(width)
+    for o in range(objects):
+        weight = math.exp(RIVALRY * (local[o, HEADING] - 1.0))
+        total += weight
+        for k in range(width):
+            mean[k] += weight * local[o, k]
+    for o in range(objects):
+        for k in range(width):
+            inputs[o, k] = local[o, k]
+            inputs[o, width + k] = local[o, k] - mean[k] / total
+        inputs[o, 2 * width :] = shared
+
+
+@kernel
+def evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, scores):
+    """Write the score of each object: the log-odds of it being the target, against none.
+
+    Parameters
+    ----------
+    inputs : (o, i)
+        As :func:`arrange` writes them.
+    mean, scale : (i,), hidden : (i, h), bias : (h,), out_weights : (h,), out_bias : float
+        The network.
+    scores : (o,), written
+        Its output.
+    """
+    sums = np.empty(len(bias))
+    for o in range(inputs.shape[0]):
+        sums[:] = bias
+        for i in range(inputs.shape[1]):
+            value = min(max((inputs[o, i] - mean[i]) / scale[i], -BOUND), BOUND)
+            for h in range(len(bias)):
+                sums[h] += value * hidden[i, h]
+        score = out_bias
+        for h in range(len(bias)):
+            score += out_weights[h] * math.tanh(sums[h])
+        scores[o] = score
+
+
+@dataclass(frozen=True)
+class Scorer:
+    """The weights, and where they come from.
+
+    Attributes
+    ----------
+    mean, scale : (i,)
+        Inputs are standardised by them, and bounded to ±4.
+    hidden : (i, h), bias : (h,)
+        Of the hidden layer of tanh units.
+    out_weights : (h,), out_bias : float
+        Of the output.
+    memory : float
+        Time constant of the posterior while a hand moves [s].
+    provenance : dict
+        What it was learned from, and how.
+    """
+
+    mean: Array
+    scale: Array
+    hidden: Array
+    bias: Array
+    out_weights: Array
+    out_bias: float
+    memory: float
+    provenance: dict[str, Any]
+
+    def score(self, local: Array, shared: Array) -> Array:
+        """Return the log-odds of each object against none, shape (o,)."""
+        inputs = np.empty((len(local), len(INPUTS)))
+        arrange(local, shared, inputs)
+        scores = np.empty(len(local))
+        evaluate(
+            inputs, self.mean, self.scale, self.hidden, self.bias, self.out_weights, self.out_bias,
+            scores,
+        )  # fmt: skip
+        return scores
+
+
+def read_scorer(path: Path) -> Scorer:
+    """Read the weights.
+
+    Raises
+    ------
+    IgripError
+        If the file is not of this format, or was made for other inputs.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise IgripError(f"{path}: cannot be read as weights: {error}") from error
+    if not isinstance(told, dict) or told.get("format") != FORMAT:
+        raise IgripError(f"{path}: is not of the format {FORMAT}")
+    rows = told["inputs"]
+    if tuple(rows) != INPUTS:
+        raise IgripError(f"{path}: was made for other inputs; train it anew (make train)")
+    return Scorer(
+        mean=np.array([rows[name]["mean"] for name in INPUTS]),
+        scale=np.array([rows[name]["scale"] for name in INPUTS]),
+        hidden=np.array([rows[name]["hidden"] for name in INPUTS]),
+        bias=np.array(told["bias"]),
+        out_weights=np.array(told["out_weights"]),
+        out_bias=float(told["out_bias"]),
+        memory=float(told["memory_s"]),
+        provenance=told["provenance"],
+    )

@@ -1,0 +1,62 @@
+"""Baseline: kinematic template matching (Pasqual & Wobbrock 2014, CHI, 743-752).
+
+The profile of speed so far is compared with the beginnings of a library of profiles; the one with
+the least mean absolute difference, summed over the updates, says how far the whole movement goes.
+That distance along the present direction from the start is the predicted end, and the object next
+to it the target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from igrip.geometry import cylinder
+from igrip.geometry.scene import Geometry
+from igrip.motion import course
+from igrip.motion.trajectory import Motion
+from igrip.targets.base import TARGETS, Belief, Scores, best_of
+from igrip.targets.library import Follower, library
+
+
+class Templates:
+    """Predicts the end of a movement from profiles of speed."""
+
+    def __init__(self) -> None:
+        told = library()["templates"]
+        self._step = float(told["step_s"])
+        self._speeds = np.array(told["speed"])
+        self._distances = np.array(told["distance"])
+        self._follower = Follower()
+        self._begin()
+
+    def _begin(self) -> None:
+        self._profile = [(0.0, 0.0)]
+        self._apart = np.zeros(len(self._distances))
+
+    def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
+        """Return the object next to the predicted end."""
+        seen = self._follower.update(motion, geometry)
+        if seen is None:
+            self._begin()
+            return Belief(None, np.zeros(len(geometry.objects)))
+        now, state = self._follower.course.now, self._follower.course.state
+        self._profile.append((seen.elapsed, float(np.linalg.norm(now[3:6]))))
+        known = np.array(self._profile)
+        steps = min(1 + int(seen.elapsed / self._step), self._speeds.shape[1])
+        so_far = np.interp(self._step * np.arange(steps), known[:, 0], known[:, 1])
+        difference = np.abs(self._speeds[:, :steps] - so_far).mean(axis=1)
+        self._apart += difference * seen.passed / self._step
+        start = state[course.START : course.START + 3]
+        way = now[:3] - start
+        length = max(float(np.linalg.norm(way)), 1e-9)
+        end = start + way / length * max(length, self._distances[int(np.argmin(self._apart))])
+        away = np.linalg.norm(
+            geometry.cylinders()[:, cylinder.MIDDLE : cylinder.AXIS] - end, axis=1
+        )
+        scores = away.min() / np.maximum(away, 1e-9)
+        return Belief(best_of(scores), scores)
+
+
+TARGETS.register("templates")(Templates)

@@ -1,0 +1,76 @@
+"""The field's methods: each does what its paper says, on reaches that suit it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from igrip.targets import TARGETS
+from igrip.targets.library import Witness, library
+from reaching import SPREAD, TWO, at, intentions_of, reach_messages
+
+LEARNED = ("gaussians", "mixtures", "templates")
+
+
+@pytest.mark.parametrize("name", ["nearest", "heading", *LEARNED])
+@pytest.mark.parametrize("goal", ["left", "right"])
+def test_objects_apart_are_told_on_the_way(shapes, name, goal):
+    messages, onset, end = reach_messages(SPREAD[goal], SPREAD, noise=0.001)
+    answers = intentions_of(messages, shapes, name)
+    assert at(answers, onset + 0.7 * (end - onset)).target == goal
+    assert all(i.probability is None for i in answers)
+
+
+@pytest.mark.parametrize("name", [*LEARNED, "heading"])
+def test_a_resting_hand_has_no_target(shapes, name):
+    messages, onset, _ = reach_messages(SPREAD["left"], SPREAD)
+    assert at(intentions_of(messages, shapes, name), onset - 0.1).target is None
+
+
+def test_nearest_is_by_the_surface(shapes):
+    messages, onset, end = reach_messages(TWO["far"], TWO, lift=0.1)
+    answers = intentions_of(messages, shapes, "nearest")
+    assert at(answers, onset + 0.4 * (end - onset)).target == "near"
+    assert at(answers, end).target == "far"
+
+
+@pytest.mark.parametrize("name", LEARNED)
+@pytest.mark.parametrize("rate", [15.0, 120.0])
+def test_a_faster_sensor_gives_much_the_same_answer(shapes, name, rate):
+    """Two objects in line: what is told half way must hang on the reach, not on the rate."""
+    told = []
+    for r in (30.0, rate):
+        messages, onset, end = reach_messages(TWO["far"], TWO, r, rest=0.6, lasts=1.2)
+        answers = intentions_of(messages, shapes, name)
+        told.append([at(answers, onset + p * (end - onset)).target for p in (0.6, 0.8, 1.0)])
+    assert told[0] == told[1]
+
+
+def test_a_witness_counts_time_and_not_samples():
+    class Seen:
+        def __init__(self, ids):
+            self.objects = [type("Placed", (), {"id": id}) for id in ids]
+
+    slow, fast = Witness(1 / 30), Witness(1 / 30)
+    fit = np.array([0.0, -0.3])
+    for _ in range(10):
+        a = slow.hear(Seen("ab"), 1 / 30, fit)
+    for _ in range(40):
+        b = fast.hear(Seen("ab"), 1 / 120, fit)
+    assert a == pytest.approx(b)
+    assert a == pytest.approx(np.exp([0.0, -3.0]) / np.exp([0.0, -3.0]).sum())
+    late = slow.hear(Seen("abc"), 1 / 30, np.zeros(3))  # c appears: no likelier than the least
+    assert late[2] == pytest.approx(late[1])
+
+
+def test_the_library_says_where_it_comes_from():
+    assert "folds of people" in library()["provenance"]["real"]
+
+
+@pytest.mark.parametrize("name", ["nearest", "heading", *LEARNED, "bayes"])
+def test_no_object_and_one(shapes, name):
+    for objects in ({}, {"left": SPREAD["left"]}):
+        messages, _, end = reach_messages(SPREAD["left"], objects)
+        last = at(intentions_of(messages, shapes, name), end - 0.1)
+        assert last.target == ("left" if objects else None)
+    assert name in TARGETS.names()

@@ -1,0 +1,1 @@
+"""How the numbers of the learned estimators are made: ``python -m training --help``."""

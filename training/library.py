@@ -1,0 +1,139 @@
+"""Fits the field's methods to the same people: Gaussians, a mixture, templates."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.mixture import GaussianMixture
+
+from igrip.targets.library import FORMAT, Follower
+from training.moments import Frames, Recording
+
+Array = NDArray[np.float64]
+STEP, LONGEST = 1.0 / 30.0, 2.0  # s
+COMPONENTS = 12
+TEMPLATES = 160
+DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One reach as it was demonstrated, from onset to end.
+
+    Attributes
+    ----------
+    elapsed : (n,), place : (n, 2)
+        Since the onset [s], and progress and deviation in the frame of the reach.
+    speed : (n,)
+        Of the hand [m/s].
+    distance : float
+        From start to end [m].
+    """
+
+    elapsed: Array
+    place: Array
+    speed: Array
+    distance: float
+
+
+def demonstrated(recording: Recording, frames: Frames) -> Shown | None:
+    """Return a reach in its own frame; None where it was not seen from its beginning."""
+    follower = Follower()
+    elapsed: list[float] = []
+    place: list[Array] = []
+    speed: list[float] = []
+    distance = 0.0
+    for motion, geometry in frames:
+        seen = follower.update(motion, geometry)
+        ids = [placed.id for placed in geometry.objects]
+        within = recording.onset - 0.2 <= motion.t <= recording.end
+        if seen is None or not within or recording.target not in ids:
+            continue
+        if elapsed and seen.elapsed < elapsed[-1]:  # it stopped on the way: begin anew
+            elapsed, place, speed = [], [], []
+        elapsed.append(seen.elapsed)
+        place.append(seen.place[ids.index(str(recording.target))])
+        speed.append(float(np.linalg.norm(follower.course.now[3:6])))
+        distance = float(np.linalg.norm(follower.course.now[:3] - follower.course.state[3:6]))
+    if len(elapsed) < 5:
+        return None
+    return Shown(np.array(elapsed), np.array(place), np.array(speed), distance)
+
+
+def fit_library(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
+    """Return what the three methods learn."""
+    return {
+        "format": FORMAT,
+        "gaussians": _gaussians(shown),
+        "mixture": _mixture(shown, seed),
+        "templates": _templates(shown, seed),
+    }
+
+
+def _gaussians(shown: Sequence[Shown]) -> dict[str, Any]:
+    mean, covariance = [], []
+    for step in STEP * np.arange(int(LONGEST / STEP)):
+        at = []
+        for one in shown:
+            reached = np.searchsorted(one.elapsed, step)  # who has arrived stays there
+            at.append(one.place[min(reached, len(one.place) - 1)])
+        places = np.array(at)
+        mean.append(np.round(places.mean(axis=0), DIGITS).tolist())
+        spread = np.cov(places.T) + 1e-4 * np.eye(2)
+        covariance.append(np.round(spread, DIGITS).tolist())
+    return {"step_s": STEP, "mean": mean, "covariance": covariance}
+
+
+def _mixture(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
+    every = np.concatenate(
+        [
+            np.column_stack([one.elapsed, one.place])[:: max(1, len(one.elapsed) // 12)]
+            for one in shown
+        ]
+    )
+    model = GaussianMixture(COMPONENTS, tol=1e-7, max_iter=2000, reg_covar=1e-4, random_state=seed)
+    model.fit(every[(every[:, 0] <= LONGEST) & (np.abs(every[:, 1:]) < 3.0).all(axis=1)])
+    return {
+        "weight": np.round(model.weights_, DIGITS).tolist(),
+        "mean": np.round(model.means_, DIGITS).tolist(),
+        "covariance": np.round(model.covariances_, DIGITS).tolist(),
+    }
+
+
+def _templates(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
+    chosen = np.random.default_rng(seed).permutation(len(shown))[:TEMPLATES]
+    times = STEP * np.arange(int(LONGEST / STEP))
+    speeds = [
+        np.interp(times, shown[k].elapsed, shown[k].speed, left=0.0, right=0.0) for k in chosen
+    ]
+    return {
+        "step_s": STEP,
+        "speed": np.round(speeds, 3).tolist(),
+        "distance": [round(shown[k].distance, 4) for k in chosen],
+    }
+
+
+def write_library(told: dict[str, Any], path: Path) -> None:
+    """Write what was learned, a line for each number or row."""
+    lines = []
+    for name, part in told.items():
+        if not isinstance(part, dict) or name == "provenance":
+            lines.append(f' "{name}": {json.dumps(part)}')
+            continue
+        rows = []
+        for key, value in part.items():
+            one = isinstance(value, float) or not isinstance(value[0], list)
+            text = (
+                json.dumps(value)
+                if one
+                else "[\n   " + ",\n   ".join(map(json.dumps, value)) + "\n  ]"
+            )
+            rows.append(f'  "{key}": {text}')
+        lines.append(f' "{name}": {{\n' + ",\n".join(rows) + "\n }")
+    path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")

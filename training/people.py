@@ -1,0 +1,74 @@
+"""Real reaches for training, and the people who are kept back to judge by."""
+
+from __future__ import annotations
+
+import math
+import sys
+import zlib
+from collections.abc import Container, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from igrip.importers.base import ImportOptions, Reach, observe, read_tables
+from igrip.importers.wispinski2021 import Wispinski2021
+from training.moments import ABSENT, THINGS, Recording, catalog
+
+FOLDS, KEPT_BACK, VALIDATION = 5, 1, 0
+LEARNED_FROM = tuple(k for k in range(FOLDS) if k != KEPT_BACK)
+EACH = 120  # reaches of each person
+
+
+def fold(participant: str) -> int:
+    """Return the fold of a person: always the same, whoever else there is."""
+    return zlib.crc32(participant.encode()) % FOLDS
+
+
+def real_reaches(tables: Path) -> list[Reach]:
+    """Return all reaches of the near/far data."""
+    return [read() for read in Wispinski2021().reaches(read_tables([tables]))]
+
+
+def real_recordings(tables: Path, seed: int, folds: Container[int]) -> Iterator[tuple[Reach, int]]:
+    """Return reaches of the people of some folds, a few of each, and a seed for each."""
+    by_person: dict[str, list[Reach]] = {}
+    for reach in real_reaches(tables):
+        by_person.setdefault(reach.participant, []).append(reach)
+    for person, reaches in sorted(by_person.items()):
+        if fold(person) not in folds:
+            continue
+        random = np.random.default_rng([seed, zlib.crc32(person.encode())])
+        for k in random.permutation(len(reaches))[:EACH]:
+            yield reaches[k], int(random.integers(2**31))
+
+
+def record(reach: Reach, seed: int) -> Recording:
+    """Return one reach as a sensor of some rate and noise would tell it, with some object's mesh.
+
+    In one of eight the target is never seen: what is done then is a reach for none of what is.
+    """
+    random = np.random.default_rng(seed)
+    rate = float(random.choice([15.0, 20.0, 30.0, 30.0, 30.0, 60.0, 120.0]))
+    rest = round(float(random.choice([0.0, 0.0, 0.4, 0.8])) * rate) / rate
+    options = ImportOptions(
+        mesh=THINGS[int(random.integers(len(THINGS)))], rate=rate, rest=rest,
+        noise=float(random.choice([0.001, 0.002, 0.004, 0.004])), seed=seed,
+    )  # fmt: skip
+    told = Recording(
+        person=reach.participant, kind="near" if reach.extra["distance"] == "near" else "far",
+        messages=observe(reach, catalog(), options), hand=reach.hand, target=reach.target,
+        onset=rest - 1e-9, end=rest + float(reach.times[-1]), back=math.inf, rate=rate,
+    )  # fmt: skip
+    absent = random.random() < 0.125
+    return replace(told.without([reach.target]), weight=ABSENT) if absent else told
+
+
+def main() -> None:
+    """Print the people who are kept back: ``python -m training.people TABLES > kept-back.txt``."""
+    people = {reach.participant for reach in real_reaches(Path(sys.argv[1]))}
+    print(*sorted(person for person in people if fold(person) == KEPT_BACK), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+"""Simulated reaches for training: people, tables, sensors and rates drawn from wide ranges.
+
+Wide, so that what is learned is reaching and not one simulator's settings; the frozen cohort that
+judges (:mod:`igrip.simulation.parameters`) is one point among them, its seeds and objects are none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from igrip.simulation.cohort import SIDES, Task, perform, rest_points
+from igrip.simulation.minimum_jerk import reach as move
+from igrip.simulation.movement import Habits, draw_habits
+from igrip.simulation.no_reach import KINDS, draw_no_reach
+from igrip.simulation.parameters import Camera, Cohort, Person, Protocol
+from igrip.simulation.sensors import film, place_camera
+from igrip.simulation.table import set_table
+from training.moments import ABSENT, THINGS, Recording, catalog
+
+TRIALS = 10  # of each person
+NO_REACH = 1.5  # weight of hands that reach for nothing (guess)
+RATES = (15.0, 20.0, 30.0, 30.0, 30.0, 45.0, 60.0, 90.0, 120.0)
+
+
+def draw_world(random: np.random.Generator) -> Cohort:
+    """Draw one person with their way of moving, their table and their camera."""
+
+    def between(low: float, high: float) -> float:
+        return float(random.uniform(low, high))
+
+    protocol = Protocol(
+        repetitions=1, rate=float(random.choice(RATES)), rest=between(0, 0.8),
+        rest_spread=between(0, 0.8), hold=between(0.3, 1.2), table_width=between(0.4, 1.0),
+        table_near=between(0.18, 0.35), table_far=between(0.42, 0.75),
+        separation=between(0.11, 0.2), rest_aside=between(0.02, 0.35),
+        rest_height=between(0.01, 0.2), palm_to_body=between(0.0, 0.12),
+        palm_to_top=between(0.0, 0.12), simulated_short=between(0.0, 0.02),
+    )  # fmt: skip
+    duration = math.exp(between(math.log(0.6), math.log(2.2)))
+    person = Person(
+        duration=duration, duration_between=0.1 * duration, duration_within=0.1 * duration,
+        peak_time=between(0.34, 0.52), lift=between(0, 0.12), curvature=between(-0.05, 0.16),
+        curvature_within=between(0.01, 0.08), aim_error=between(0, 0.05),
+        end_error=between(0.003, 0.015), submovements=between(0, 2.5), undershoot=between(0, 0.3),
+        tremor=between(0.0002, 0.001), sway=between(0.001, 0.004), hesitation=between(0, 0.1),
+        change_of_mind=between(0, 0.08), change_at=between(0.25, 0.45),
+    )  # fmt: skip
+    camera = Camera(
+        disparity_noise=between(0.05, 0.9), lateral_noise=between(0.0003, 0.003),
+        correlation=between(0, 0.8), outliers=between(0, 0.006), lost=between(0, 0.02),
+        object_latency=between(0, 0.15), object_rate=between(8, 30), object_bias=between(0, 0.008),
+        never_found=0.0,
+    )  # fmt: skip
+    return Cohort(protocol=protocol, person=person, camera=camera)
+
+
+def simulate_person(seed: int, number: int) -> list[Recording]:
+    """Return the recordings of one drawn person."""
+    random = np.random.default_rng([seed, number])
+    world = draw_world(random)
+    habits = draw_habits(world.person, random)
+    return [_one(f"s{number}", world, habits, random) for _ in range(TRIALS)]
+
+
+def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator) -> Recording:
+    count = int(random.choice([2, 2, 2, 3, 4, 4, 5, 6, 8, 10]))
+    names = random.choice(len(THINGS), count, replace=False)
+    models = {f"o{k}": catalog()[THINGS[name]] for k, name in enumerate(names)}
+    protocol = world.protocol
+    room = protocol.table_width * (protocol.table_far - protocol.table_near)
+    apart = min(protocol.separation, 0.5 * math.sqrt(room / count))  # or they find no place
+    world = world.model_copy(update={"protocol": protocol.model_copy(update={"separation": apart})})
+    camera_at = place_camera(world.camera, SIDES[int(random.integers(2))], random)
+    kind = str(random.choice(["reach"] * 12 + ["absent"] * 3 + ["none"] * 3))
+    if kind == "none":
+        kind = KINDS[int(random.integers(1, len(KINDS)))]
+        table = set_table(models, world.protocol, random)
+        scene = draw_no_reach(kind, table, world, rest_points(world.protocol), 8.0, random)
+        messages = film(
+            scene.times, scene.palms, table, camera_at, world.camera, random, scene.moving
+        )
+        return Recording(
+            person,
+            kind,
+            messages,
+            scene.hand,
+            None,
+            math.inf,
+            math.inf,
+            math.inf,
+            protocol.rate,
+            weight=NO_REACH,
+        )
+    hand, target = SIDES[int(random.integers(2))], f"o{int(random.integers(count))}"
+    grip = ("palmar", "pinch")[int(random.integers(2))]
+    style = ("executed", "simulated")[int(random.integers(2))]
+    done = perform(Task(hand, target, grip, style), world, habits, models, random)
+    times, palms, back = done.times, dict(done.palms), math.inf
+    if random.random() < 0.35:  # the hand goes home again: no reach
+        lasts = float(random.uniform(0.7, 1.3))
+        more = np.arange(1, int((lasts + 0.3) * protocol.rate) + 1) / protocol.rate
+        home = rest_points(world.protocol)[hand] + random.normal(0.0, 0.05, 3) * [1, 1, 0.3]
+        lift = float(random.uniform(0.0, 0.08))
+        for side in SIDES:
+            last = palms[side][-1]
+            goes = (
+                move(last, home, lift, more / lasts)
+                if side == hand
+                else np.tile(last, (len(more), 1))
+            )
+            palms[side] = np.concatenate([palms[side], goes])
+        back = float(times[-1]) + 0.02
+        times = np.concatenate([times, times[-1] + more])
+    messages = film(times, palms, done.table, camera_at, world.camera, random)
+    recording = Recording(
+        person, kind, messages, hand, target, *done.bounds, back, protocol.rate, grip=grip
+    )
+    if kind == "absent":  # what it reaches for is never seen; rarer in life than here
+        return replace(recording.without([target]), weight=ABSENT)
+    if random.random() < 0.1:
+        return recording.without([id for id in models if id != target])
+    return recording
