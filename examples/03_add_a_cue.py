@@ -14,14 +14,14 @@ def heading(motion, geometry, config):
     return away @ motion.velocity / (np.linalg.norm(away, axis=1) * max(motion.speed, 1e-9))
 
 
-@TARGETS.register("heading")
+@TARGETS.register("my_heading")
 class Heading:
     def update(self, motion, geometry, cues):
         return Belief(best_of(cues["heading"]), cues["heading"])
 
 
 estimator = igrip.Estimator(
-    igrip.load_objects("box:0.05x0.05x0.2"), igrip.Config(targets="heading")
+    igrip.load_objects("box:0.05x0.05x0.2"), igrip.Config(targets="my_heading")
 )
 box = {"model": "box:0.05x0.05x0.2", "orientation": [0, 0, 0, 1]}
 objects = {"ahead": {**box, "position": [0.5, 0, 0]}, "aside": {**box, "position": [0, 0.5, 0]}}

@@ -168,7 +168,7 @@ def test_a_third_party_grip(registered, shapes):
         def __init__(self, config):
             self.pinch_from = config.pinch_from
 
-        def select(self, belief, geometry):
+        def select(self, belief, geometry, motion):
             return Grip("tripod", {"tripod": 0.7, "pinch": 0.3})
 
     registered(GRIPS, "either", Either)

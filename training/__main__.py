@@ -35,6 +35,7 @@ from training.worlds import TRIALS, simulate_person
 SEED = 20260
 PERSONS = 640
 MEMORY = 0.02  # s; docs/estimators.md has the alternatives
+REAL = 2.0  # weight of all real moments, that of all simulated ones being 1
 SHOWN = 3  # every so manyth reach is demonstrated to the field's methods
 
 Array = NDArray[np.float64]
@@ -73,14 +74,14 @@ def simulated_part(number: int) -> Part:
 
 
 def gather(tables: Path, persons: int, folds: Sequence[int] = LEARNED_FROM) -> Part:
-    """Return everything to learn from; real and simulated people weigh the same in all."""
+    """Return everything to learn from."""
     jobs = list(real_recordings(tables, SEED, folds))
     groups = [jobs[k : k + EACH] for k in range(0, len(jobs), EACH)]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         real = _told(pool.map(real_part, groups), len(groups), "groups of real reaches")
         simulated = _told(pool.map(simulated_part, range(persons)), persons, "simulated people")
     moments = [thinned(joined([p.moments for p in parts]), SEED) for parts in (real, simulated)]
-    moments[0].weight[:] *= moments[1].weight.sum() / moments[0].weight.sum()
+    moments[0].weight[:] *= REAL * moments[1].weight.sum() / moments[0].weight.sum()
     every = [*real, *simulated]
     return Part(
         joined(moments), [x for part in every for x in part.shown],

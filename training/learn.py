@@ -20,8 +20,8 @@ from training.moments import Moments
 
 Array = NDArray[np.float64]
 DIGITS = 6  # of the grid
-UNITS = 32
-PASSES, BATCH, RATE, DECAY = 40, 2048, 4e-3, 1e-5
+UNITS = 48
+PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
 FIRST, SECOND = 0.9, 0.999  # memory of the gradient and of its square
 
 

@@ -44,13 +44,14 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     reason : str or None
         Why there is no answer, or what is wrong with an input, in words.
     target, target_model : str or None
-        Id of the object the hand is going for, and its model. None: no decision.
+        Id of the object the hand is going for, and its model. None: no decision. Where there are
+        probabilities, it is the likeliest object, even if ``none`` is somewhat likelier still.
     confidence : float or None
-        The estimator's score of that target.
+        The estimator's score of that target; its probability where there are any.
     grip : str or None
         The grip for the target: ``palmar`` or ``pinch``.
     grip_probability : dict or None
-        Probability of each grip; None for a rule that is not calibrated.
+        Probability of each grip, if the hand grasps; None for a rule that has none.
     time_to_contact : float or None
         Seconds from ``t`` until the palm is at the distance of a grasp; None: not within the
         horizon.

@@ -36,10 +36,12 @@ def test_bars_are_reached_or_not():
 
 def test_ratios_are_of_medians_run_by_run():
     runs = [
-        {"igrip, update": {"p50_ms": 0.4}, "peer": {"p50_ms": 0.2}},
-        {"igrip, update": {"p50_ms": 0.3}, "peer": {"p50_ms": 0.1}},
+        {run.OWN: {"p50_ms": own}, "peer": {"p50_ms": peer}, run.WITH_BAYES: {"p50_ms": bayes}}
+        for own, peer, bayes in ((0.4, 0.2, 0.5), (0.3, 0.1, 0.6))
     ]
-    assert run._ratios_of_runs(runs) == {"update / peer": [2.0, pytest.approx(3.0)]}
+    assert run._ratios_of_runs(runs) == {
+        "update / peer": [2.0, pytest.approx(3.0)], run.DEARER: [1.25, 2.0]
+    }  # fmt: skip
     ratios = run._ratios(runs, {"p50_ms": 30.0})
     assert ratios["update / peer"] == 2.0  # the best
     assert ratios["trimesh without embree, rays alone / update"] == 30.0 / 0.35

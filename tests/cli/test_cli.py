@@ -9,6 +9,7 @@ import sys
 import urllib.request
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import trimesh
 
@@ -103,9 +104,8 @@ def test_replay_of_a_recording_that_was_cut(small_dataset: Dataset, tmp_path: Pa
 
 def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
     wrong = igrip("replay", small_dataset.path, "--targets", "psychic", code=2)
-    assert (
-        "there are: distance, distance_derivative, future_distance, impacts, paper" in wrong.stderr
-    )
+    names = "bayes, distance, distance_derivative, future_distance, gaussians, heading, impacts"
+    assert f"there are: {names}" in wrong.stderr
     assert "no such" in igrip("replay", tmp_path / "no.jsonl", code=2).stderr.lower()
     small_dataset.recording(small_dataset.trials[0]).unlink()
     broken = igrip("replay", small_dataset.path, "--targets", "distance", code=1)
@@ -264,3 +264,28 @@ def test_simulate_and_evaluate(tmp_path: Path) -> None:
         "no profile 'tall'"
         in igrip("simulate", tmp_path / "new", "--profile", "tall", code=2).stderr
     )
+
+
+def test_import_of_some_people_only(shared_data: Path, tmp_path: Path) -> None:
+    tables, people = shared_data / "wispinski2021", tmp_path / "people.txt"
+    first = pd.read_parquet(tables / "trials.parquet")["participant"].iloc[0]
+    people.write_text(f"{first}\nnobody\n")
+    asked = ["import", tables, "--participants", people, "--limit", 3, "--out"]
+    done = json.loads(igrip(*asked, tmp_path / "d", "--json").stdout)
+    assert (done["trials"], done["participants"]) == (3, 1)
+    people.write_text("nobody\n")
+    assert "none of these people" in igrip(*asked, tmp_path / "e", code=2).stderr
+    people.unlink()
+    assert "cannot be read as a list" in igrip(*asked, tmp_path / "e", code=2).stderr
+
+
+def test_the_grip_selector_of_an_evaluation_is_a_choice(
+    small_dataset: Dataset, tmp_path: Path
+) -> None:
+    bad = igrip("evaluate", small_dataset.path, "--out", tmp_path / "r", "--grips", "x", code=2)
+    assert "no grip selector is named 'x'" in bad.stderr.replace("\n", " ")
+    for grips in ("cylinder", "contact"):
+        igrip("evaluate", small_dataset.path, "--out", tmp_path / grips, "--grips", grips,
+              "--targets", "bayes")  # fmt: skip
+    both = [pd.read_parquet(tmp_path / g / "trials.parquet") for g in ("cylinder", "contact")]
+    assert both[0]["success"].tolist() == both[1]["success"].tolist()

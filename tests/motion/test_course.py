@@ -37,7 +37,7 @@ def test_start_peak_and_path_do_not_hang_on_the_rate(rate):
     one, *_ = followed(rate, hold=0.0, lasts=1.0)
     assert one.moving
     assert one.state[course.START : course.START + 3] == pytest.approx(START, abs=0.015)
-    assert one.state[course.PEAK] == pytest.approx(1.875 * 0.4, rel=0.06)
+    assert one.state[course.PEAK] == pytest.approx(1.875 * 0.4, rel=0.1)
     assert one.state[course.PATH] == pytest.approx(0.4, rel=0.05)
     assert one.state[course.ONSET] == pytest.approx(0.5, abs=0.2)
 

@@ -44,8 +44,9 @@ def test_a_steady_movement_is_found_at_any_rate(rate):
     times = np.arange(0.0, 1.0, 1.0 / rate)
     points = np.outer(times, [0.5, -0.2, 0.1])
     position, velocity, _ = fitted(times, points)
-    assert velocity == pytest.approx([0.5, -0.2, 0.1], rel=0.06)
-    assert position == pytest.approx(points[-1], abs=0.002)
+    # the prior of a hand at rest weighs more, the fewer samples there are
+    assert velocity == pytest.approx([0.5, -0.2, 0.1], rel=0.1)
+    assert position == pytest.approx(points[-1], abs=0.003)
 
 
 def test_a_far_off_origin_costs_no_digits():

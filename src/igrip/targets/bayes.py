@@ -21,7 +21,7 @@ from igrip.compiled import kernel
 from igrip.geometry.scene import Geometry
 from igrip.motion.course import Course
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import TARGETS, Belief, Scores
+from igrip.targets.base import TARGETS, Belief, Scores, best_of
 from igrip.targets.features import LOCAL, SHARED, describe
 from igrip.targets.network import Scorer, read_scorer
 
@@ -29,6 +29,8 @@ WEIGHTS = Path(__file__).with_name("bayes.json")
 CHANGE_OF_MIND = 0.1  # a second, guess
 REST_MEMORY = 1.0  # s, time constant with which a resting hand's belief is forgotten; guess
 NONE_AT_REST = 0.6  # what is then believed of none: a hand at rest may be about to move; guess
+LONGEST_REST = 0.1  # s between two samples; what happened in a longer gap was not seen
+NAMELESS = 0.75  # a moving hand has no target where none is likelier than this
 UNLIKELY = 1e-6  # no object is ever ruled out for good
 
 
@@ -94,7 +96,9 @@ class Bayes:
     def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
         """Return the probability of each object and of none.
 
-        The target is the most probable object, unless none is likelier than all objects together.
+        The target of a moving hand is the most probable object, unless none is likelier than 0.75:
+        early in a reach much speaks for none, and yet which object it would be is often clear. A
+        hand at rest has the target that is likelier than none.
         """
         moves = self._course.update(motion.t, motion.measured)
         self._follow_objects([placed.id for placed in geometry.objects])
@@ -110,9 +114,11 @@ class Bayes:
             change = -math.expm1(-CHANGE_OF_MIND * passed)
             pool(belief, self._scorer.score(local, shared), keep, change)
         elif not moves:
-            keep = math.exp(-passed / REST_MEMORY)
+            keep = math.exp(-min(passed, LONGEST_REST) / REST_MEMORY)
             belief[:] = keep * belief + (1.0 - keep) * resting(objects)
-        target = int(np.argmax(belief[:-1])) if objects and belief[-1] <= 0.5 else None
+        best = best_of(belief[:-1])
+        limit = NAMELESS if moves or best is None else float(belief[best])
+        target = best if belief[-1] <= limit else None
         return Belief(target, belief[:-1].copy(), belief.copy())
 
     def _follow_objects(self, ids: list[str]) -> None:

@@ -33,7 +33,7 @@ SHARED = (
 AHEAD = 0.12  # s, guess
 AIM = 0.7  # of the half-length: people do not aim at the very ends; guess
 MOST = 8.0  # a bound for ratios whose denominator may vanish
-SMALL = 1e-9
+SMALL = 1e-12
 
 
 @kernel
