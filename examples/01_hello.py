@@ -3,7 +3,7 @@
 import igrip
 
 catalog = igrip.load_objects("ycb")
-estimator = igrip.Estimator(catalog, igrip.Config(targets="repaired"))
+estimator = igrip.Estimator(catalog, igrip.Config(targets="bayes"))
 
 upright = [0, 0, 0, 1]
 objects = {
@@ -17,4 +17,5 @@ for frame in range(31):
     observation = igrip.Observation(t=frame / 30, hands={"right": hand}, objects=objects)
     for intention in estimator.update(observation):
         if frame % 5 == 0:
-            print(f"{intention.t:.2f} s", intention.status, intention.target, intention.grip)
+            sure = f"{intention.confidence or 0.0:.0%}"
+            print(f"{intention.t:.2f} s", intention.status, intention.target, sure, intention.grip)

@@ -1,6 +1,6 @@
 """Compare likelihoods on people and simulations that none of them has seen.
 
-``python -m training.compare REACHES`` prints, for each candidate, the accuracy of single moments:
+``python -m training.compare REACHES [PERSONS]`` prints for each candidate the accuracy of moments:
 the newest one at 40 and 60 % of the movement, without any memory. Real people: the validation fold
 (not the people who are kept back to judge by); simulated ones: others than those learned from.
 """
@@ -85,8 +85,9 @@ def endpoint(moments: Moments) -> Array:
 def main() -> None:
     """Train every candidate on the same moments and print a table."""
     tables = Path(sys.argv[1])
+    persons = int(sys.argv[2]) if len(sys.argv) > 2 else PERSONS
     folds = [fold for fold in LEARNED_FROM if fold != VALIDATION]
-    moments = gather(tables, PERSONS, folds).moments
+    moments = gather(tables, persons, folds).moments
     with ProcessPoolExecutor() as pool:
         judged = list(pool.map(told, real_recordings(tables, 3, [VALIDATION]), chunksize=40))
         for part in pool.map(simulated, range(PERSONS, PERSONS + MORE)):

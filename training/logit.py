@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.targets.features import LOCAL
 from igrip.targets.network import BOUND
 from training.moments import Moments
 
@@ -18,9 +19,13 @@ CHUNK = 20000
 
 
 def quadratic(inputs: Array) -> Array:
-    """Return the inputs and all their products."""
-    i, j = np.triu_indices(inputs.shape[1])
-    return np.column_stack([np.ones(len(inputs)), inputs, inputs[:, i] * inputs[:, j]])
+    """Return the inputs, and all products of what an object has beyond its rivals and the movement.
+
+    The products of everything would be three thousand weights.
+    """
+    apart = inputs[:, len(LOCAL) :]
+    i, j = np.triu_indices(apart.shape[1])
+    return np.column_stack([np.ones(len(inputs)), inputs, apart[:, i] * apart[:, j]])
 
 
 def linear(inputs: Array) -> Array:
