@@ -59,8 +59,9 @@ def demonstrated(recording: Recording, frames: Frames) -> Shown | None:
             elapsed, place, speed = [], [], []
         elapsed.append(seen.elapsed)
         place.append(seen.place[ids.index(str(recording.target))])
-        speed.append(float(np.linalg.norm(follower.course.now[3:6])))
-        distance = float(np.linalg.norm(follower.course.now[:3] - follower.course.state[3:6]))
+        now = motion.movement.now
+        speed.append(float(np.linalg.norm(now[3:6])))
+        distance = float(np.linalg.norm(now[:3] - motion.movement.start))
     if len(elapsed) < 5:
         return None
     return Shown(np.array(elapsed), np.array(place), np.array(speed), distance)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 import igrip
 from igrip.config import Config
 from igrip.geometry.scene import Geometry, Scene
-from igrip.motion.course import Course
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
@@ -136,14 +135,12 @@ def follow(recording: Recording) -> Frames:
 
 def moments_of(recording: Recording, frames: Frames) -> Moments:
     """Return the features of one recording, rounded so that no machine's last digit matters."""
-    course = Course()
     local, shared, target, part, rows = [], [], [], [], [0]
     for motion, geometry in frames:
-        moves = course.update(motion.t, motion.measured)
-        if not moves or not geometry.objects:
+        if not motion.movement.moving or not geometry.objects:
             continue
         each, common = np.empty((len(geometry.objects), len(LOCAL))), np.empty(len(SHARED))
-        describe(course.state, course.points, course.now, geometry.cylinders(), each, common)
+        describe(*motion.movement[1:], geometry.cylinders(), each, common)
         part.append((motion.t - recording.onset) / (recording.end - recording.onset))
         wanted = recording.onset <= motion.t < recording.back
         ids = [placed.id for placed in geometry.objects]

@@ -35,7 +35,7 @@ def moving(coefficients, position=None):
         future=future,
         future_velocity=velocity,
         reach=Reach("rest", 0.0, (0.0, 0.0, 0.0), 0.0, 0.0),
-        measured=coefficients[0] if position is None else position,
+        movement=None,
     )
 
 

@@ -103,7 +103,7 @@ def moving(position, coefficients):
         future=c0 + steps * c1 + steps**2 * c2,
         future_velocity=c1 + 2.0 * steps * c2,
         reach=Reach("rest", 0.0, tuple(position), 0.0, 0.0),
-        measured=np.array(position),
+        movement=None,
     )
 
 

@@ -13,13 +13,14 @@ START, GOAL = np.array([0.1, 0.0, 0.05]), np.array([0.1, 0.4, 0.05])
 
 
 def followed(rate=30.0, rest=0.5, lasts=1.0, hold=0.6, noise=0.0, seed=0):
-    """Return a course and, for each sample of a reach, whether the hand moves."""
+    """Return the movement at last and, for each sample of a reach, whether the hand moves."""
     rng = np.random.default_rng(seed)
     times = np.arange(0.0, rest + lasts + hold, 1.0 / rate)
     points = reach(START, GOAL, 0.0, (times - rest) / lasts)
     points += noise * rng.normal(size=points.shape)
     one = Course()
-    return one, times, np.array([one.update(t, p) for t, p in zip(times, points, strict=True)])
+    seen = [one.update(t, p) for t, p in zip(times, points, strict=True)]
+    return seen[-1], times, np.array([movement.moving for movement in seen])
 
 
 @pytest.mark.parametrize("rate", [15.0, 30.0, 60.0, 120.0])
@@ -46,10 +47,9 @@ def test_a_long_movement_keeps_points_over_all_of_it():
     one = Course()
     times = np.arange(0.0, 20.0, 1.0 / 60.0)
     for t in times:
-        one.update(t, (0.3 * np.sin(2.0 * t), 0.3 * np.cos(2.0 * t), 0.0))
-    count = int(one.state[course.COUNT])
-    kept = one.points[:count, 0]
-    assert count <= course.MOST_POINTS
+        last = one.update(t, (0.3 * np.sin(2.0 * t), 0.3 * np.cos(2.0 * t), 0.0))
+    kept = last.points[:, 0]
+    assert len(kept) <= course.MOST_POINTS
     assert (np.diff(kept) > 0.0).all()
     assert kept[0] < 1.0
     assert kept[-1] == times[-1]
@@ -58,14 +58,16 @@ def test_a_long_movement_keeps_points_over_all_of_it():
 def test_after_a_gap_nothing_is_known_of_the_movement_before():
     one = Course()
     for k in range(15):
-        one.update(k / 30.0, (0.02 * k, 0.0, 0.0))
-    assert one.moving
-    assert not one.update(0.5 + 0.6, (0.9, 0.0, 0.0))
-    assert one.state[course.START : course.START + 3] == pytest.approx([0.9, 0.0, 0.0])
+        last = one.update(k / 30.0, (0.02 * k, 0.0, 0.0))
+    assert last.moving
+    after = one.update(0.5 + 0.6, (0.9, 0.0, 0.0))
+    assert not after.moving
+    assert after.start == pytest.approx([0.9, 0.0, 0.0])
+    assert last.start == pytest.approx([0.0, 0.0, 0.0], abs=0.03)  # what was told stays as it was
 
 
 def test_noise_at_rest_is_no_long_movement():
     one = Course()
     rng = np.random.default_rng(3)
-    moves = [one.update(k / 30.0, 0.002 * rng.normal(size=3)) for k in range(600)]
+    moves = [one.update(k / 30.0, 0.002 * rng.normal(size=3)).moving for k in range(600)]
     assert np.mean(moves) < 0.1

@@ -19,14 +19,14 @@ OBJECTS = np.array([
 
 
 def moving(upto=0.6, noise=0.001):
-    """Return a course in the middle of a reach to the first object."""
+    """Return the movement in the middle of a reach to the first object."""
     rng = np.random.default_rng(0)
     one = Course()
     for t in np.arange(0.0, 0.3 + upto, 1.0 / 60.0):
         [point] = reach(np.zeros(3), OBJECTS[0, :3], 0.03, np.array([t - 0.3]))
-        one.update(t, point + noise * rng.normal(size=3))
-    assert one.moving
-    return one
+        last = one.update(t, point + noise * rng.normal(size=3))
+    assert last.moving
+    return last
 
 
 def described(one, objects, state=None, points=None, now=None):
@@ -80,9 +80,9 @@ def test_known_values_half_way():
     one = Course()
     for t in np.arange(0.0, 0.3 + 0.5 + 1e-9, 1.0 / 120.0):
         [point] = reach(np.zeros(3), np.array([0.0, 0.4, 0.0]), 0.0, np.array([t - 0.3]))
-        one.update(t, point)
+        last = one.update(t, point)
     objects = np.array([[0.0, 0.4, 0.0, 0.0, 0.0, 1.0, 0.05, 0.03, 0.0, 0.0, 0.0]])
-    local, shared = described(one, objects)
+    local, shared = described(last, objects)
     told = dict(zip(LOCAL, local[0], strict=True)) | dict(zip(SHARED, shared, strict=True))
     assert told["progress"] == pytest.approx(0.5, abs=0.02)
     assert told["remaining"] == pytest.approx(0.5, abs=0.02)

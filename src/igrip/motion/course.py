@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,16 +97,39 @@ def advance(state, points, fit, now, parameters):
     state[COUNT] = count + 1
 
 
-class Course:
-    """Follows one hand from rest through a movement to rest again, at any rate of samples.
+class Movement(NamedTuple):
+    """What a course holds at one sample.
 
     Attributes
     ----------
+    moving : bool
+        Whether the hand moves.
+    state : (17,)
+        As the indices of this module name it.
+    points : (n, 4)
+        Rows t, x, y, z since the onset [s, m].
     now : (9,)
         Position, velocity, acceleration [m, m/s, m/s²].
-    state, points : arrays
-        As the indices of this module name them; points are rows t, x, y, z since the onset [s, m].
     """
+
+    moving: bool
+    state: Array
+    points: Array
+    now: Array
+
+    @property
+    def start(self) -> Array:
+        """Where it began, shape (3,) [m]."""
+        return self.state[START : START + 3]
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the onset [s]."""
+        return float(self.state[TIME] - self.state[ONSET])
+
+
+class Course:
+    """Follows one hand from rest through a movement to rest again, at any rate of samples."""
 
     def __init__(self, config: CourseConfig | None = None) -> None:
         self._config = config = config or CourseConfig()
@@ -113,28 +137,25 @@ class Course:
             [config.calm, config.onset_speed, config.rest_speed, config.rest_fraction, config.dwell]
         )
         self._fit = np.zeros(kinematics.STATE)
-        self.now: Array = np.zeros(kinematics.RESULT)
-        self.state: Array = np.zeros(STATE)
-        self.points: Array = np.zeros((MOST_POINTS, 4))
+        self._now = np.zeros(kinematics.RESULT)
+        self._state = np.zeros(STATE)
+        self._points = np.zeros((MOST_POINTS, 4))
         self._begin()
 
     def _begin(self) -> None:
         self._fit[:] = 0.0
-        self.state[:] = 0.0
-        self.state[ONSET] = math.nan
+        self._state[:] = 0.0
+        self._state[ONSET] = math.nan
 
-    @property
-    def moving(self) -> bool:
-        """Whether the hand moves."""
-        return bool(self.state[MOVING])
-
-    def update(self, t: float, position: Array | Vector) -> bool:
-        """Take a sample at ``t`` [s], later than the last [m]; return whether the hand moves."""
-        if t - self.state[TIME] > self._config.longest_gap:
+    def update(self, t: float, position: Array | Vector) -> Movement:
+        """Take a sample at ``t`` [s], later than the last; return the movement so far."""
+        if t - self._state[TIME] > self._config.longest_gap:
             self._begin()
-        if math.isnan(self.state[ONSET]):
-            self.state[TIME] = t
+        if math.isnan(self._state[ONSET]):
+            self._state[TIME] = t
         x, y, z = position
-        kinematics.step(self._fit, t, x, y, z, self._config.time_constant, self.now)
-        advance(self.state, self.points, self._fit, self.now, self._parameters)
-        return bool(self.state[MOVING])
+        kinematics.step(self._fit, t, x, y, z, self._config.time_constant, self._now)
+        advance(self._state, self._points, self._fit, self._now, self._parameters)
+        moving = bool(self._state[MOVING])
+        count = int(self._state[COUNT]) if moving else 0
+        return Movement(moving, self._state.copy(), self._points[:count].copy(), self._now.copy())

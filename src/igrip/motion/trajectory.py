@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Vector
+from igrip.motion.course import Course, CourseConfig, Movement
 from igrip.motion.filters import OneEuroConfig, PositionFilter
 from igrip.motion.quadratic import fit_quadratic, follow
 from igrip.motion.reach import Reach, ReachConfig, ReachDetector
@@ -21,6 +22,7 @@ class MotionConfig(Settings):
 
     filter: OneEuroConfig = OneEuroConfig()
     reach: ReachConfig = ReachConfig()
+    course: CourseConfig = CourseConfig()
     window: int = quantity(20, "samples", "n_f, length of the window", "SPEC §3", ge=3, le=1000)
     window_duration: float = quantity(
         1.0, "s", "samples older than this leave the window", "SPEC §3: bounded by time", gt=0
@@ -52,8 +54,8 @@ class Motion(NamedTuple):
         Predicted velocities [m/s].
     reach : Reach
         Phase of the movement.
-    measured : (3,)
-        The newest sample as it was measured, not filtered [m].
+    movement : Movement
+        The movement so far, from the measured samples.
     """
 
     t: float
@@ -65,7 +67,7 @@ class Motion(NamedTuple):
     future: Array
     future_velocity: Array
     reach: Reach
-    measured: Array
+    movement: Movement
 
 
 class Trajectory:
@@ -87,6 +89,7 @@ class Trajectory:
         """Forget everything, as before the first sample."""
         self._filter = PositionFilter(self._config.filter)
         self._reach = ReachDetector(self._config.reach)
+        self._course = Course(self._config.course)
         # twice the window, so that it can slide without moving on every sample
         self._times = np.empty(2 * self._config.window)
         self._positions = np.empty((2 * self._config.window, 3))
@@ -109,6 +112,7 @@ class Trajectory:
         Motion or None
             None while the window does not determine the regression.
         """
+        movement = self._course.update(t, position)
         filtered = self._filter.update(t, position)
         self._append(t, filtered)
         coefficients = np.empty((3, 3))
@@ -129,7 +133,7 @@ class Trajectory:
             future=future,
             future_velocity=future_velocity,
             reach=self._reach.update(t, filtered, speed),
-            measured=np.array(position),
+            movement=movement,
         )
 
     def _append(self, t: float, position: Vector) -> None:

@@ -19,7 +19,6 @@ import numpy as np
 
 from igrip.compiled import kernel
 from igrip.geometry.scene import Geometry
-from igrip.motion.course import Course
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
 from igrip.targets.features import LOCAL, SHARED, describe
@@ -88,7 +87,6 @@ class Bayes:
 
     def __init__(self, scorer: Scorer | None = None) -> None:
         self._scorer = scorer or default_scorer()
-        self._course = Course()
         self._ids: list[str] = []
         self._belief = resting(0)
         self._t = math.nan
@@ -100,7 +98,8 @@ class Bayes:
         early in a reach much speaks for none, and yet which object it would be is often clear. A
         hand at rest has the target that is likelier than none.
         """
-        moves = self._course.update(motion.t, motion.measured)
+        movement = motion.movement
+        moves = movement.moving
         self._follow_objects([placed.id for placed in geometry.objects])
         objects = len(self._ids)
         passed = 0.0 if math.isnan(self._t) else motion.t - self._t
@@ -108,8 +107,7 @@ class Bayes:
         belief = self._belief
         if moves and objects:
             local, shared = np.empty((objects, len(LOCAL))), np.empty(len(SHARED))
-            course = self._course
-            describe(course.state, course.points, course.now, geometry.cylinders(), local, shared)
+            describe(*movement[1:], geometry.cylinders(), local, shared)
             keep = math.exp(-passed / self._scorer.memory)
             change = -math.expm1(-CHANGE_OF_MIND * passed)
             pool(belief, self._scorer.score(local, shared), keep, change)

@@ -61,7 +61,7 @@ def describe(state, points, now, cylinders, local, shared):
     Parameters
     ----------
     state, points, now : arrays
-        Of a :class:`igrip.motion.course.Course` that moves.
+        Of a :class:`igrip.motion.course.Movement` of a hand that moves.
     cylinders : (o, 11)
         As :mod:`igrip.geometry.cylinder` lays them out.
     local : (o, 22), shared : (10,), written

@@ -8,6 +8,7 @@ the object, and how far it is from that line, in lengths of the line.
 from __future__ import annotations
 
 import json
+import math
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,8 +19,6 @@ from numpy.typing import NDArray
 from igrip.errors import IgripError
 from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
-from igrip.motion import course
-from igrip.motion.course import Course
 from igrip.motion.trajectory import Motion
 from igrip.targets.features import LOCAL, SHARED, describe
 
@@ -49,31 +48,26 @@ class InReach(NamedTuple):
 
 
 class Follower:
-    """Sees a hand in the frame of every reach that it could be doing.
-
-    Attributes
-    ----------
-    course : Course
-        Its movement so far.
-    """
+    """Sees a hand in the frame of every reach that it could be doing."""
 
     def __init__(self) -> None:
-        self.course = Course()
+        self._t = math.nan
 
     def update(self, motion: Motion, geometry: Geometry) -> InReach | None:
         """Take the next frame; None while the hand rests or there is nothing to reach."""
-        state = self.course.state
-        before = float(state[course.TIME])
-        if not self.course.update(motion.t, motion.measured) or not geometry.objects:
+        movement = motion.movement
+        elapsed = movement.elapsed
+        passed = elapsed if math.isnan(self._t) else min(elapsed, motion.t - self._t)
+        self._t = motion.t
+        if not movement.moving or not geometry.objects:
             return None
         cylinders = geometry.cylinders()
         local, shared = np.empty((len(cylinders), len(LOCAL))), np.empty(len(SHARED))
-        describe(state, self.course.points, self.course.now, cylinders, local, shared)
-        start = state[course.START : course.START + 3]
-        away = cylinders[:, cylinder.MIDDLE : cylinder.AXIS] - start
+        describe(*movement[1:], cylinders, local, shared)
+        away = cylinders[:, cylinder.MIDDLE : cylinder.AXIS] - movement.start
         return InReach(
-            elapsed=float(motion.t - state[course.ONSET]),
-            passed=min(float(motion.t - before), float(motion.t - state[course.ONSET])),
+            elapsed=elapsed,
+            passed=passed,
             place=local[:, [PROGRESS, DEVIATION]],
             length=np.maximum(np.linalg.norm(away, axis=1), 1e-3),
         )

@@ -14,7 +14,6 @@ import numpy as np
 
 from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
-from igrip.motion import course
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
 from igrip.targets.library import Follower, library
@@ -41,14 +40,13 @@ class Templates:
         if seen is None:
             self._begin()
             return Belief(None, np.zeros(len(geometry.objects)))
-        now, state = self._follower.course.now, self._follower.course.state
+        now, start = motion.movement.now, motion.movement.start
         self._profile.append((seen.elapsed, float(np.linalg.norm(now[3:6]))))
         known = np.array(self._profile)
         steps = min(1 + int(seen.elapsed / self._step), self._speeds.shape[1])
         so_far = np.interp(self._step * np.arange(steps), known[:, 0], known[:, 1])
         difference = np.abs(self._speeds[:, :steps] - so_far).mean(axis=1)
         self._apart += difference * seen.passed / self._step
-        start = state[course.START : course.START + 3]
         way = now[:3] - start
         length = max(float(np.linalg.norm(way)), 1e-9)
         end = start + way / length * max(length, self._distances[int(np.argmin(self._apart))])
