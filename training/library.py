@@ -82,8 +82,8 @@ def _gaussians(shown: Sequence[Shown]) -> dict[str, Any]:
     for step in STEP * np.arange(int(LONGEST / STEP)):
         at = []
         for one in shown:
-            reached = np.searchsorted(one.elapsed, step)  # who has arrived stays there
-            at.append(one.place[min(reached, len(one.place) - 1)])
+            # who has arrived stays there
+            at.append([np.interp(step, one.elapsed, one.place[:, k]) for k in range(2)])
         places = np.array(at)
         mean.append(np.round(places.mean(axis=0), DIGITS).tolist())
         spread = np.cov(places.T) + 1e-4 * np.eye(2)

@@ -60,7 +60,7 @@ def pool(belief, scores, keep, change):
         belief[k] = math.exp(belief[k] - highest)
         total += belief[k]
     for k in range(last + 1):
-        belief[k] = max(belief[k] / total, UNLIKELY / (last + 1))
+        belief[k] = (belief[k] / total + UNLIKELY / (last + 1)) / (1.0 + UNLIKELY)
 
 
 def resting(objects: int) -> Scores:
@@ -99,7 +99,8 @@ class Bayes:
         hand at rest has the target that is likelier than none.
         """
         movement = motion.movement
-        moves = movement.moving
+        # noise starts a movement for the one detector at low rates, for the other at high ones
+        moves = movement.moving and motion.reach.phase != "rest"
         self._follow_objects([placed.id for placed in geometry.objects])
         objects = len(self._ids)
         passed = 0.0 if math.isnan(self._t) else motion.t - self._t

@@ -16,7 +16,7 @@ import numpy as np
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, Witness, library
+from igrip.targets.library import Follower, Witness, library, log_volume
 
 
 class Gaussians:
@@ -34,13 +34,12 @@ class Gaussians:
         """Return the object whose reach the movement so far fits best."""
         seen = self._follower.update(motion, geometry)
         if seen is None:
-            self._witness.reset()
-            return Belief(None, np.zeros(len(geometry.objects)))
-        k = min(int(seen.elapsed / self._step), len(self._mean) - 1)
+            shares = self._witness.shares(geometry)
+            return Belief(best_of(shares), shares)
+        k = min(round(seen.elapsed / self._step), len(self._mean) - 1)
         off = seen.place - self._mean[k]
         fit = -0.5 * np.einsum("oi,ij,oj->o", off, self._precision[k], off) + self._log_size[k]
-        # densities in lengths of each reach, made comparable: of two dimensions
-        shares = self._witness.hear(geometry, seen.passed, fit - 2.0 * np.log(seen.length))
+        shares = self._witness.hear(geometry, seen, fit - log_volume(seen))
         return Belief(best_of(shares), shares)
 
 

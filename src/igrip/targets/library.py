@@ -73,6 +73,16 @@ class Follower:
         )
 
 
+def log_volume(seen: InReach) -> Array:
+    """Return how much space a unit of progress and deviation is, as logarithm, shape (o,).
+
+    A point at progress and deviation d is a circle of radius ``d L`` round the line: densities over
+    them become densities in space by ``2π d L³``. Of d at least 0.01, so that it stays finite.
+    """
+    volume: Array = 3.0 * np.log(seen.length) + np.log(np.maximum(seen.place[:, 1], 0.01))
+    return volume
+
+
 class Witness:
     """Log-likelihood of each object since the onset of the movement, by id.
 
@@ -82,21 +92,31 @@ class Witness:
     def __init__(self, step: float) -> None:
         self._step = step
         self._heard: dict[str, float] = {}
+        self._elapsed = 0.0
 
-    def reset(self) -> None:
-        """Forget the movement."""
-        self._heard = {}
-
-    def hear(self, geometry: Geometry, passed: float, likelihood: Array) -> Array:
+    def hear(self, geometry: Geometry, seen: InReach, likelihood: Array) -> Array:
         """Add the log-likelihoods of a sample; return the probability of each object."""
+        if seen.elapsed < self._elapsed:
+            self._heard = {}  # another movement
+        self._elapsed = seen.elapsed
         unheard = min(self._heard.values(), default=0.0)  # objects that appear on the way
-        steps = passed / self._step
+        steps = seen.passed / self._step
         self._heard = {
             placed.id: self._heard.get(placed.id, unheard) + steps * float(value)
             for placed, value in zip(geometry.objects, likelihood, strict=True)
         }
-        total = np.array(list(self._heard.values()))
-        likely = np.exp(total - total.max())
+        return self.shares(geometry)
+
+    def shares(self, geometry: Geometry) -> Array:
+        """Return the probability of each object by what was heard; zeros where nothing was.
+
+        A hand that has stopped keeps what was heard of its movement until the next one.
+        """
+        if not self._heard:
+            return np.zeros(len(geometry.objects))
+        least = min(self._heard.values())
+        total = np.array([self._heard.get(placed.id, least) for placed in geometry.objects])
+        likely = np.exp(total - total.max(initial=-np.inf))
         share: Array = likely / likely.sum()
         return share
 

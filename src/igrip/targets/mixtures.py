@@ -14,7 +14,7 @@ import numpy as np
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, Witness, library
+from igrip.targets.library import Follower, Witness, library, log_volume
 
 STEP = 1.0 / 30.0  # s that a sample stands for
 
@@ -34,13 +34,13 @@ class Mixtures:
         """Return the object under whose reach the samples so far are likeliest."""
         seen = self._follower.update(motion, geometry)
         if seen is None:
-            self._witness.reset()
-            return Belief(None, np.zeros(len(geometry.objects)))
+            shares = self._witness.shares(geometry)
+            return Belief(best_of(shares), shares)
         at = np.column_stack([np.full(len(seen.place), seen.elapsed), seen.place])
         off = np.einsum("okj,kji->oki", at[:, None] - self._mean, self._root)
         each = self._log_weight - 0.5 * (off**2).sum(axis=2)
-        fit = np.logaddexp.reduce(each, axis=1) - 2.0 * np.log(seen.length)
-        shares = self._witness.hear(geometry, seen.passed, fit)
+        fit = np.logaddexp.reduce(each, axis=1) - log_volume(seen)
+        shares = self._witness.hear(geometry, seen, fit)
         return Belief(best_of(shares), shares)
 
 

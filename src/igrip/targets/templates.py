@@ -11,12 +11,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
 from igrip.targets.library import Follower, library
+
+Array = NDArray[np.float64]
 
 
 class Templates:
@@ -28,6 +31,7 @@ class Templates:
         self._speeds = np.array(told["speed"])
         self._distances = np.array(told["distance"])
         self._follower = Follower()
+        self._end: Array | None = None
         self._begin()
 
     def _begin(self) -> None:
@@ -37,9 +41,10 @@ class Templates:
     def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
         """Return the object next to the predicted end."""
         seen = self._follower.update(motion, geometry)
-        if seen is None:
+        if seen is None:  # a hand that has stopped keeps the end that was predicted
+            return self._next_to(self._end, geometry)
+        if seen.elapsed < self._profile[-1][0]:
             self._begin()
-            return Belief(None, np.zeros(len(geometry.objects)))
         now, start = motion.movement.now, motion.movement.start
         self._profile.append((seen.elapsed, float(np.linalg.norm(now[3:6]))))
         known = np.array(self._profile)
@@ -49,7 +54,15 @@ class Templates:
         self._apart += difference * seen.passed / self._step
         way = now[:3] - start
         length = max(float(np.linalg.norm(way)), 1e-9)
-        end = start + way / length * max(length, self._distances[int(np.argmin(self._apart))])
+        whole = max(length, self._distances[int(np.argmin(self._apart))])
+        self._end = start + way / length * whole
+        return self._next_to(self._end, geometry)
+
+    @staticmethod
+    def _next_to(end: Array | None, geometry: Geometry) -> Belief:
+        """Score each object by the least distance from the predicted end over its own."""
+        if end is None or not geometry.objects:
+            return Belief(None, np.zeros(len(geometry.objects)))
         away = np.linalg.norm(
             geometry.cylinders()[:, cylinder.MIDDLE : cylinder.AXIS] - end, axis=1
         )
