@@ -5,7 +5,6 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
 REACHES ?= ../shared/data/wispinski2021
-WORK ?= /tmp/igrip-estimators
 
 .PHONY: train estimators pictures report golden help demo test test-slow lint types contract unit schemas system clean
 help:  ## this list
@@ -63,4 +62,4 @@ train: $(READY)  ## train what is learned (REACHES=folder with the tables of nea
 	$(BIN)/python -m training $(REACHES)
 
 estimators: $(READY)  ## make the tables of all estimators on all sets (REACHES=folder; half an hour)
-	$(BIN)/python docs/make_estimators.py $(REACHES) $(WORK)
+	$(BIN)/python docs/make_estimators.py $(REACHES)

@@ -99,8 +99,7 @@ class Bayes:
         hand at rest has the target that is likelier than none.
         """
         movement = motion.movement
-        # noise starts a movement for the one detector at low rates, for the other at high ones
-        moves = movement.moving and motion.reach.phase != "rest"
+        moves = movement.moving
         self._follow_objects([placed.id for placed in geometry.objects])
         objects = len(self._ids)
         passed = 0.0 if math.isnan(self._t) else motion.t - self._t
@@ -116,7 +115,9 @@ class Bayes:
             keep = math.exp(-min(passed, LONGEST_REST) / REST_MEMORY)
             belief[:] = keep * belief + (1.0 - keep) * resting(objects)
         best = best_of(belief[:-1])
-        limit = NAMELESS if moves or best is None else float(belief[best])
+        # noise starts a movement for the one detector at low rates, for the other at high ones
+        reaches = moves and motion.reach.phase != "rest"
+        limit = NAMELESS if reaches or best is None else float(belief[best])
         target = best if belief[-1] <= limit else None
         return Belief(target, belief[:-1].copy(), belief.copy())
 
