@@ -50,6 +50,7 @@ class Estimator:
         self._scene = Scene(config.rays)
         self._cues = [CUES.get(name) for name in CUES.names()]  # the paper's four, and yours
         self._new_targets = TARGETS.get(config.targets)
+        self._new_targets()  # what it needs from files must fail here, not in mid-stream
         self._grips = GRIPS.get(config.grips)(config.grip)
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
         self._latest: dict[str, Intention] = {}

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from igrip.targets import TARGETS
-from igrip.targets.library import Witness, library
+from igrip.targets.library import InReach, Witness, library, log_volume
 from reaching import SPREAD, TWO, at, intentions_of, reach_messages
 
 LEARNED = ("gaussians", "mixtures", "templates")
@@ -50,15 +49,20 @@ def test_a_witness_counts_time_and_not_samples():
         def __init__(self, ids):
             self.objects = [type("Placed", (), {"id": id}) for id in ids]
 
+    def after(passed, elapsed):
+        return InReach(elapsed, passed, np.empty(0), np.empty(0))
+
     slow, fast = Witness(1 / 30), Witness(1 / 30)
     fit = np.array([0.0, -0.3])
-    for _ in range(10):
-        a = slow.hear(Seen("ab"), 1 / 30, fit)
-    for _ in range(40):
-        b = fast.hear(Seen("ab"), 1 / 120, fit)
+    for k in range(10):
+        a = slow.hear(Seen("ab"), after(1 / 30, k / 30), fit)
+    for k in range(40):
+        b = fast.hear(Seen("ab"), after(1 / 120, k / 120), fit)
     assert a == pytest.approx(b)
     assert a == pytest.approx(np.exp([0.0, -3.0]) / np.exp([0.0, -3.0]).sum())
-    late = slow.hear(Seen("abc"), 1 / 30, np.zeros(3))  # c appears: no likelier than the least
+    late = slow.hear(
+        Seen("abc"), after(1 / 30, 10 / 30), np.zeros(3)
+    )  # c appears: no likelier than the least
     assert late[2] == pytest.approx(late[1])
 
 
@@ -72,4 +76,24 @@ def test_no_object_and_one(shapes, name):
         messages, _, end = reach_messages(SPREAD["left"], objects)
         last = at(intentions_of(messages, shapes, name), end - 0.1)
         assert last.target == ("left" if objects else None)
-    assert name in TARGETS.names()
+
+
+def test_densities_over_a_reach_are_made_densities_in_space():
+    """A Gaussian over progress and deviation, as a density in space, integrates to one for any L."""
+    step = 0.01
+    progress, deviation = np.meshgrid(np.arange(-1, 2, step), np.arange(0.015, 1.0, step))
+    place = np.column_stack([progress.ravel(), deviation.ravel()])
+    off = (place - [0.5, 0.3]) / [0.1, 0.05]
+    density = np.exp(-0.5 * (off**2).sum(axis=1)) / (2 * np.pi * 0.1 * 0.05)
+    for length in (0.2, 1.0, 3.0):
+        seen = InReach(0.0, 0.0, place, np.full(len(place), length))
+        in_space = density / (2 * np.pi * np.exp(log_volume(seen)))
+        rings = 2 * np.pi * (place[:, 1] * length) * (step * length) ** 2
+        assert (in_space * rings).sum() == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", LEARNED)
+def test_a_hand_that_has_stopped_keeps_what_was_told(shapes, name):
+    messages, _, end = reach_messages(SPREAD["left"], SPREAD, hold=1.0)
+    assert intentions_of(messages, shapes, name)[-1].target == "left"
+    assert messages[-1]["t"] > end + 0.9

@@ -7,8 +7,9 @@ import json
 import numpy as np
 import pytest
 
+import igrip
 from igrip.errors import IgripError
-from igrip.targets.bayes import WEIGHTS
+from igrip.targets.bayes import WEIGHTS, default_scorer
 from igrip.targets.features import LOCAL, SHARED
 from igrip.targets.network import BOUND, HEADING, INPUTS, RIVALRY, arrange, read_scorer
 
@@ -61,7 +62,7 @@ def test_the_file_says_where_its_numbers_come_from(scorer):
     told = scorer.provenance
     assert "folds of people" in told["real"]
     assert set(told["tables"]) == {"reaches.parquet", "trials.parquet"}
-    assert WEIGHTS.stat().st_size < 50_000
+    assert WEIGHTS.stat().st_size < 80_000
 
 
 @pytest.mark.parametrize(
@@ -80,3 +81,40 @@ def test_a_file_that_is_not_ours_is_refused(tmp_path, text, message):
     (tmp_path / "w.json").write_text(text)
     with pytest.raises(IgripError, match=message):
         read_scorer(tmp_path / "w.json")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("bias", [0.0] * 4048, "hidden is not finite, or not of the shape"),
+        ("out_weights", [0.1] * 3, "out_weights is not finite, or not of the shape"),
+        ("out_weights", None, "out_weights is not finite, or not of the shape"),
+        ("out_bias", float("nan"), "out_bias is not finite"),
+        ("memory_s", 0.0, "must be positive"),
+        ("memory_s", "long", "has no numbers memory_s"),
+        ("inputs", {}, "made for other inputs"),
+    ],
+)
+def test_numbers_that_compiled_code_would_misread_are_refused(tmp_path, key, value, message):
+    told = json.loads(WEIGHTS.read_text()) | {key: value}
+    (tmp_path / "w.json").write_text(json.dumps(told))
+    with pytest.raises(IgripError, match=message):
+        read_scorer(tmp_path / "w.json")
+
+
+def test_a_scale_must_be_positive(tmp_path):
+    told = json.loads(WEIGHTS.read_text())
+    told["inputs"]["progress"]["scale"] = 0.0
+    (tmp_path / "w.json").write_text(json.dumps(told))
+    with pytest.raises(IgripError, match="must be positive"):
+        read_scorer(tmp_path / "w.json")
+
+
+def test_bad_weights_are_told_before_the_first_message(tmp_path, shapes, monkeypatch):
+    monkeypatch.setattr("igrip.targets.bayes.WEIGHTS", tmp_path / "gone.json")
+    default_scorer.cache_clear()
+    try:
+        with pytest.raises(IgripError, match="cannot be read"):
+            igrip.Estimator(shapes, igrip.Config(targets="bayes"))
+    finally:
+        default_scorer.cache_clear()

@@ -8,7 +8,6 @@ comes; the answer is averaged over what may be the target.
 
 from __future__ import annotations
 
-import json
 import math
 from functools import cache
 from itertools import combinations_with_replacement
@@ -23,6 +22,7 @@ from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
 from igrip.grips.base import GRIPS, Grip, GripConfig
 from igrip.grips.cylinder import CylinderGrip
+from igrip.learned import numbers, read_learned
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import Belief
 
@@ -107,10 +107,10 @@ def weights() -> Array:
     IgripError
         If the file is not of this format, or was made for other terms.
     """
-    told = json.loads(WEIGHTS.read_text(encoding="utf-8"))
-    if told.get("format") != FORMAT or tuple(told["weights"]) != TERMS:
-        raise IgripError(f"{WEIGHTS}: is not of the format {FORMAT}; train it anew (make train)")
-    return np.array(list(told["weights"].values()))
+    told = read_learned(WEIGHTS, FORMAT)
+    if tuple(told.get("weights", ())) != TERMS:
+        raise IgripError(f"{WEIGHTS}: was made for other terms; train it anew (make train)")
+    return np.stack([numbers(told, ["weights", term], (), WEIGHTS) for term in TERMS])
 
 
 @GRIPS.register("contact")

@@ -16,17 +16,17 @@ import numpy as np
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, Witness, library, log_volume
+from igrip.targets.library import Follower, Witness, learned, log_volume
 
 
 class Gaussians:
     """Classifies a movement by Gaussians over time."""
 
     def __init__(self) -> None:
-        told = library()["gaussians"]
-        self._step = float(told["step_s"])
-        self._mean = np.array(told["mean"])
-        self._precision = np.linalg.inv(np.array(told["covariance"]))
+        self._step = float(learned("gaussians", "step_s", shape=()))
+        self._mean = learned("gaussians", "mean", shape=(-1, 2))
+        covariance = learned("gaussians", "covariance", shape=(len(self._mean), 2, 2))
+        self._precision = np.linalg.inv(covariance)
         self._log_size = 0.5 * np.linalg.slogdet(self._precision)[1]
         self._follower, self._witness = Follower(), Witness(self._step)
 

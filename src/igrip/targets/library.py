@@ -7,7 +7,6 @@ the object, and how far it is from that line, in lengths of the line.
 
 from __future__ import annotations
 
-import json
 import math
 from functools import cache
 from pathlib import Path
@@ -16,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.errors import IgripError
 from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
+from igrip.learned import numbers, read_learned
 from igrip.motion.trajectory import Motion
 from igrip.targets.features import LOCAL, SHARED, describe
 
@@ -130,7 +129,9 @@ def library() -> dict[str, Any]:
     IgripError
         If the file is not of this format.
     """
-    told: dict[str, Any] = json.loads(LIBRARY.read_text(encoding="utf-8"))
-    if told.get("format") != FORMAT:
-        raise IgripError(f"{LIBRARY}: is not of the format {FORMAT}")
-    return told
+    return read_learned(LIBRARY, FORMAT)
+
+
+def learned(*keys: str, shape: tuple[int, ...]) -> Array:
+    """Return an array of what was learned; see :func:`igrip.learned.numbers`."""
+    return numbers(library(), keys, shape, LIBRARY)

@@ -14,7 +14,7 @@ import numpy as np
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, Witness, library, log_volume
+from igrip.targets.library import Follower, Witness, learned, log_volume
 
 STEP = 1.0 / 30.0  # s that a sample stands for
 
@@ -23,11 +23,12 @@ class Mixtures:
     """Classifies a movement by a Gaussian mixture over time and place."""
 
     def __init__(self) -> None:
-        told = library()["mixture"]
-        self._mean = np.array(told["mean"])
-        precision = np.linalg.inv(np.array(told["covariance"]))
+        self._mean = learned("mixture", "mean", shape=(-1, 3))
+        parts = len(self._mean)
+        precision = np.linalg.inv(learned("mixture", "covariance", shape=(parts, 3, 3)))
         self._root = np.linalg.cholesky(precision)
-        self._log_weight = np.log(told["weight"]) + 0.5 * np.linalg.slogdet(precision)[1]
+        weight = learned("mixture", "weight", shape=(parts,))
+        self._log_weight = np.log(weight) + 0.5 * np.linalg.slogdet(precision)[1]
         self._follower, self._witness = Follower(), Witness(STEP)
 
     def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.errors import IgripError
+from igrip.learned import numbers, read_learned
 from igrip.targets.features import LOCAL, SHARED
 
 Array = NDArray[np.float64]
@@ -124,24 +124,26 @@ def read_scorer(path: Path) -> Scorer:
     Raises
     ------
     IgripError
-        If the file is not of this format, or was made for other inputs.
+        If the file is not of this format, was made for other inputs, or holds other than finite
+        numbers of the right shapes.
     """
-    try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise IgripError(f"{path}: cannot be read as weights: {error}") from error
-    if not isinstance(told, dict) or told.get("format") != FORMAT:
-        raise IgripError(f"{path}: is not of the format {FORMAT}")
-    rows = told["inputs"]
-    if tuple(rows) != INPUTS:
+    told = read_learned(path, FORMAT)
+    if tuple(told.get("inputs", ())) != INPUTS:
         raise IgripError(f"{path}: was made for other inputs; train it anew (make train)")
+    bias = numbers(told, ["bias"], (-1,), path)
+    units = len(bias)
+    columns = {
+        column: np.stack([numbers(told, ["inputs", name, column], shape, path) for name in INPUTS])
+        for column, shape in (("mean", ()), ("scale", ()), ("hidden", (units,)))
+    }
+    memory = float(numbers(told, ["memory_s"], (), path))
+    if not memory > 0.0 or not (columns["scale"] > 0.0).all():
+        raise IgripError(f"{path}: scales and memory_s must be positive")
     return Scorer(
-        mean=np.array([rows[name]["mean"] for name in INPUTS]),
-        scale=np.array([rows[name]["scale"] for name in INPUTS]),
-        hidden=np.array([rows[name]["hidden"] for name in INPUTS]),
-        bias=np.array(told["bias"]),
-        out_weights=np.array(told["out_weights"]),
-        out_bias=float(told["out_bias"]),
-        memory=float(told["memory_s"]),
-        provenance=told["provenance"],
+        **columns,
+        bias=bias,
+        out_weights=numbers(told, ["out_weights"], (units,), path),
+        out_bias=float(numbers(told, ["out_bias"], (), path)),
+        memory=memory,
+        provenance=dict(told.get("provenance", {})),
     )

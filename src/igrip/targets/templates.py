@@ -17,7 +17,7 @@ from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, library
+from igrip.targets.library import Follower, learned
 
 Array = NDArray[np.float64]
 
@@ -26,10 +26,9 @@ class Templates:
     """Predicts the end of a movement from profiles of speed."""
 
     def __init__(self) -> None:
-        told = library()["templates"]
-        self._step = float(told["step_s"])
-        self._speeds = np.array(told["speed"])
-        self._distances = np.array(told["distance"])
+        self._step = float(learned("templates", "step_s", shape=()))
+        self._speeds = learned("templates", "speed", shape=(-1, -1))
+        self._distances = learned("templates", "distance", shape=(len(self._speeds),))
         self._follower = Follower()
         self._end: Array | None = None
         self._begin()

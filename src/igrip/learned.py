@@ -1,0 +1,55 @@
+"""Files of learned numbers: text with a format, a provenance and arrays that are checked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.errors import IgripError
+
+Array = NDArray[np.float64]
+
+
+def read_learned(path: Path, form: str) -> dict[str, Any]:
+    """Read a file of learned numbers.
+
+    Raises
+    ------
+    IgripError
+        If it cannot be read, or is not of the format ``form``.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise IgripError(f"{path}: cannot be read as learned numbers: {error}") from error
+    if not isinstance(told, dict) or told.get("format") != form:
+        raise IgripError(f"{path}: is not of the format {form}; train it anew (make train)")
+    return told
+
+
+def numbers(told: Any, keys: Sequence[str], shape: tuple[int, ...], path: Path) -> Array:
+    """Return the array at some keys of what was read; -1 in its shape: any length.
+
+    Raises
+    ------
+    IgripError
+        If there is none, or it has another shape or numbers that are not finite. Compiled code
+        reads these arrays without looking at their ends.
+    """
+    try:
+        for key in keys:
+            told = told[key]
+        values = np.array(told, dtype=np.float64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise IgripError(f"{path}: has no numbers {'.'.join(keys)}") from error
+    fits = len(values.shape) == len(shape) and all(
+        asked in (-1, found) for asked, found in zip(shape, values.shape, strict=True)
+    )
+    if not fits or not np.isfinite(values).all():
+        raise IgripError(f"{path}: {'.'.join(keys)} is not finite, or not of the shape {shape}")
+    return values
