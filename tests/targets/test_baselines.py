@@ -79,7 +79,7 @@ def test_no_object_and_one(shapes, name):
 
 
 def test_densities_over_a_reach_are_made_densities_in_space():
-    """A Gaussian over progress and deviation, as a density in space, integrates to one for any L."""
+    """A Gaussian over progress and deviation, made a density in space, integrates to one."""
     step = 0.01
     progress, deviation = np.meshgrid(np.arange(-1, 2, step), np.arange(0.015, 1.0, step))
     place = np.column_stack([progress.ravel(), deviation.ravel()])
