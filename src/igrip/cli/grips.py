@@ -52,8 +52,8 @@ def grips(
 
 
 def _serve(page: GripPage) -> None:
-    errors.print(f"The grip zones are at {page.url}; Ctrl-C ends")
     try:
+        errors.print(f"The grip zones are at {page.url}; Ctrl-C ends")
         threading.Event().wait()
     except KeyboardInterrupt:
         errors.print("stopped")

@@ -55,8 +55,8 @@ def view(
     viewer.note(path.name, f"by {config.targets}")
     player = Player(viewer, film)
     cutter.start(player.take, lambda text: viewer.note(path.name, text))
-    errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
     try:
+        errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
         player.run()
     except KeyboardInterrupt:
         errors.print("stopped")

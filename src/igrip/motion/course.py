@@ -32,7 +32,9 @@ class CourseConfig(Settings):
     )
     onset_speed: float = quantity(0.10, "m/s", "above it a movement has begun", "as reach", gt=0)
     rest_speed: float = quantity(0.05, "m/s", "below it a hand rests", "as reach", gt=0)
-    rest_fraction: float = quantity(0.10, "1", "below this part of the peak it rests", "SPEC §7")
+    rest_fraction: float = quantity(
+        0.10, "1", "below this part of the peak it rests", "SPEC §7", ge=0, lt=1
+    )
     dwell: float = quantity(0.10, "s", "rest must last this long", "as reach", ge=0)
     longest_gap: float = quantity(
         0.5, "s", "after it nothing is known of the movement before", "guess", gt=0
