@@ -99,6 +99,13 @@ def advance(state, points, fit, now, parameters):
     state[COUNT] = count + 1
 
 
+@kernel
+def take(fit, now, state, points, t, x, y, z, time_constant, parameters):
+    """Take a sample: fit, then advance; one call, as calls cost more than what they do here."""
+    kinematics.step(fit, t, x, y, z, time_constant, now)
+    advance(state, points, fit, now, parameters)
+
+
 class Movement(NamedTuple):
     """What a course holds at one sample.
 
@@ -156,8 +163,10 @@ class Course:
         if math.isnan(self._state[ONSET]):
             self._state[TIME] = t
         x, y, z = position
-        kinematics.step(self._fit, t, x, y, z, self._config.time_constant, self._now)
-        advance(self._state, self._points, self._fit, self._now, self._parameters)
+        take(
+            self._fit, self._now, self._state, self._points, t, x, y, z,
+            self._config.time_constant, self._parameters,
+        )  # fmt: skip
         moving = bool(self._state[MOVING])
         count = int(self._state[COUNT]) if moving else 0
         return Movement(moving, self._state.copy(), self._points[:count].copy(), self._now.copy())
