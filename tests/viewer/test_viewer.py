@@ -198,16 +198,28 @@ def test_choices_on_the_page(moments: list[Snapshot]) -> None:
             page.get_by_label("hand", exact=True).first.click()
             page.get_by_role("option", name="right", exact=True).click()
             page.get_by_text("panels").click()
-            before = page.locator(".uplot:visible").count()
+            before = settled(page)
             page.get_by_label("impacts", exact=True).first.uncheck()
             deadline = time.monotonic() + 20
-            while page.locator(".uplot:visible").count() == before and time.monotonic() < deadline:
+            plots = page.locator(".uplot:visible")
+            while plots.count() != before - 1 and time.monotonic() < deadline:
                 page.wait_for_timeout(100)
-            assert page.locator(".uplot:visible").count() == before - 1
+            assert plots.count() == before - 1
         assert chosen == ["paper"]
         assert viewer._choices.hand == "right"
     finally:
         viewer.close()
+
+
+def settled(page) -> int:
+    """Return how many plots are visible once that has not changed for a second."""
+    counts: list[int] = []
+    for _ in range(200):
+        counts.append(page.locator(".uplot:visible").count())
+        if len(counts) >= 10 and len(set(counts[-10:])) == 1 and counts[-1]:
+            break
+        page.wait_for_timeout(100)
+    return counts[-1]
 
 
 def target_pixels(path: Path) -> int:
