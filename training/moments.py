@@ -188,7 +188,7 @@ def thinned(moments: Moments, seed: int) -> Moments:
     Neighbours in time are alike.
     """
     random = np.random.default_rng(seed)
-    chance = 0.5 * np.minimum(1.0, moments.weight)  # which is 30 / rate
+    chance = 0.5 * np.minimum(1.0, moments.weight)  # 30 / rate, times the recording's
     keep = random.random(len(chance)) < chance
     rows = keep[moments.frame]
     frame, place = np.cumsum(keep) - 1, np.cumsum(rows) - 1

@@ -25,7 +25,7 @@ class CourseConfig(Settings):
 
     time_constant: float = quantity(
         0.06, "s", "memory of the fit for position, velocity, acceleration",
-        "docs/estimators.md: 0.04-0.10 alike, shorter is earlier after a rest", gt=0,
+        "guess; 0.04-0.15 were tried on near/far reaches, by a script that is not kept", gt=0,
     )  # fmt: skip
     calm: float = quantity(
         0.08, "s", "memory of the velocity by which rest is told from movement", "guess", gt=0
