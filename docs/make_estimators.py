@@ -42,6 +42,19 @@ def evaluate(dataset: Path, out: Path, *options: object) -> tuple[dict[str, Any]
     return summary, pd.read_parquet(out / "trials.parquet")
 
 
+def bring_in(reaches: Path, data: Path, people: Path, *options: object) -> Path:
+    """Import the reaches of some people, with the noise of a camera; return the dataset."""
+    igrip(
+        "import", reaches, "--out", data, "--noise", 0.004, "--participants", people, *options
+    )  # fmt: skip
+    return data
+
+
+def asked(names: Sequence[str]) -> list[str]:
+    """Return the options that ask for some estimators."""
+    return [part for name in names for part in ("--targets", name)]
+
+
 def make(reaches: Path, work: Path, quick: bool) -> Iterator[str]:
     """Yield the page, line by line."""
     kept = work / "kept-back.txt"
@@ -50,7 +63,6 @@ def make(reaches: Path, work: Path, quick: bool) -> Iterator[str]:
             [sys.executable, "-m", "training.people", str(reaches)], check=True, stdout=file
         )
     few = ["--limit", 200] if quick else []
-    only = [part for name in ORDER for part in ("--targets", name)]
     ece: dict[str, tuple[float, int]] = {}
     yield "# Every estimator on every set"
     yield ""
@@ -60,58 +72,26 @@ def make(reaches: Path, work: Path, quick: bool) -> Iterator[str]:
         yield "Made by `make estimators REACHES=…`."
     yield "95 % intervals over participants in brackets."
     for title, rest in (("as recorded", 0), ("after 1 s of rest", 1)):
-        data = work / f"near-far-{rest}"
-        igrip(
-            "import",
-            reaches,
-            "--out",
-            data,
-            "--noise",
-            0.004,
-            "--rest",
-            rest,
-            "--participants",
-            kept,
-            *few,
-        )
-        summary, trials = evaluate(data, work / f"near-far-{rest}-report", *only)
+        data = bring_in(reaches, work / f"near-far-{rest}", kept, "--rest", rest, *few)
+        summary, trials = evaluate(data, work / f"near-far-{rest}-report", *asked(ORDER))
         yield from near_far(f"Near/far reaches, people kept back, {title}", summary, trials)
         ece[f"near/far, {title}"] = told(summary)
     for rate in (15, 60, 120):
-        data = work / f"near-far-{rate}-hz"
-        igrip(
-            "import",
-            reaches,
-            "--out",
-            data,
-            "--noise",
-            0.004,
-            "--rate",
-            rate,
-            "--participants",
-            kept,
-            *few,
-        )
-        summary, trials = evaluate(
-            data, work / f"near-far-{rate}-hz-report", "--targets", "bayes", "--targets", "paper"
-        )
+        data = bring_in(reaches, work / f"near-far-{rate}-hz", kept, "--rate", rate, *few)
+        names = asked(("bayes", "paper"))
+        summary, trials = evaluate(data, work / f"near-far-{rate}-hz-report", *names)
         yield from near_far(f"The same at {rate} Hz, as recorded", summary, trials)
     for profile, people in (("healthy", 11), ("stroke", 5), ("sci", 5)):
         data = work / profile
         size = ["--trials", 4, "--no-reach", 4] if quick else []
         igrip("simulate", data, "--profile", profile, "--participants", people, *size)
-        names = (
-            only
-            if profile == "healthy"
-            else ["--targets", "bayes", "--targets", "paper", "--targets", "repaired"]
-        )
+        names = asked(ORDER if profile == "healthy" else ("bayes", "paper", "repaired"))
         summary, trials = evaluate(data, work / f"{profile}-report", *names)
         yield from cohort(f"Simulated cohort, {profile}", summary, trials)
         ece[f"cohort, {profile}"] = told(summary)
         if profile == "healthy":
-            _, paper = evaluate(
-                data, work / "cylinder-report", "--targets", "bayes", "--grips", "cylinder"
-            )
+            names = [*asked(["bayes"]), "--grips", "cylinder"]
+            _, paper = evaluate(data, work / "cylinder-report", *names)
             yield from grips(trials[trials["targets"] == "bayes"], paper)
     yield "\n## Calibration of `bayes`\n"
     yield "| set | ECE | answers |\n| --- | --- | --- |"

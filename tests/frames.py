@@ -11,7 +11,7 @@ from igrip.motion.trajectory import Motion
 def motion(speed=0.5, peak=0.4):
     """Return a motion of which only the speeds matter."""
     zero = np.zeros((3, 3))
-    return Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None, zero[0])
+    return Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None)
 
 
 def geometry(count=3, **arrays):

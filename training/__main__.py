@@ -55,7 +55,7 @@ def part_of(recordings: Sequence[Recording]) -> Part:
     for k, recording in enumerate(recordings):
         frames = follow(recording)
         moments.append(moments_of(recording, frames))
-        if recording.kind in ("near", "far", "reach") and recording.weight == 1.0:
+        if recording.kind in ("near", "far", "reach") and not recording.absent:
             if k % SHOWN == 0 and (one := demonstrated(recording, frames)) is not None:
                 shown.append(one)
             if recording.grip is not None:
@@ -135,16 +135,17 @@ def main() -> int:
     )
     if asked.check:
         shipped = read_scorer(WEIGHTS)
-        inputs = inputs_of(moments)
-        off = float(np.abs(probabilities(scorer, inputs) - probabilities(shipped, inputs)).max())
+        inputs, frame = inputs_of(moments), moments.frame
+        ours, theirs = (probabilities(s, inputs, frame) for s in (scorer, shipped))
+        off = float(np.abs(ours - theirs).max())
         print(f"scorer: largest difference of a probability {off:.3g}")
         there = json.loads(LIBRARY.read_text(encoding="utf-8"))
         grips = json.loads(CONTACT.read_text(encoding="utf-8"))["weights"]
         apart = max(_apart(learned, {key: there[key] for key in learned}), _apart(grip, grips))
         print(f"library and grip: largest difference of a number {apart:.3g}")
         return int(not (off <= 1e-6 and apart <= 1e-6))
-    told = provenance(asked.reaches, asked.persons) | {"loss": round(loss, 4)}
-    write_scorer(replace(scorer, provenance=told), WEIGHTS)
+    told = provenance(asked.reaches, asked.persons)
+    write_scorer(replace(scorer, provenance=told | {"loss": round(loss, 4)}), WEIGHTS)
     write_library({**learned, "provenance": told}, LIBRARY)
     write_grip(grip, told, CONTACT)
     return 0

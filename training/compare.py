@@ -46,7 +46,7 @@ def told(job: tuple[Reach, int]) -> tuple[str, Moments]:
 
 def simulated(number: int) -> list[tuple[str, Moments]]:
     """Return the reaches of one more simulated person."""
-    reaches = [r for r in simulate_person(SEED, number) if r.kind == "reach" and r.weight == 1.0]
+    reaches = [r for r in simulate_person(SEED, number) if r.kind == "reach"]
     return [("simulated", moments_of(recording, follow(recording))) for recording in reaches]
 
 

@@ -20,7 +20,7 @@ from training.moments import Moments
 
 Array = NDArray[np.float64]
 DIGITS = 6  # of the grid
-UNITS, NETWORKS = 48, 2
+UNITS, NETWORKS = 48, 3
 PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
 FIRST, SECOND = 0.9, 0.999  # memory of the gradient and of its square
 
@@ -144,10 +144,10 @@ def scores_of(scorer: Scorer, inputs: Array) -> Array:
     return scores
 
 
-def probabilities(scorer: Scorer, inputs: Array) -> Array:
-    """Return the probability of each object against none alone, shape (r,)."""
-    likely: Array = 1.0 / (1.0 + np.exp(-scores_of(scorer, inputs)))
-    return likely
+def probabilities(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
+    """Return the probability of each object among those of its frame and none, shape (r,)."""
+    likely: Array = np.exp(np.clip(scores_of(scorer, inputs), -50.0, 50.0))
+    return likely / (1.0 + np.bincount(frame, weights=likely))[frame]
 
 
 def write_scorer(scorer: Scorer, path: Path) -> None:

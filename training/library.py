@@ -59,9 +59,9 @@ def demonstrated(recording: Recording, frames: Frames) -> Shown | None:
             elapsed, place, speed = [], [], []
         elapsed.append(seen.elapsed)
         place.append(seen.place[ids.index(str(recording.target))])
-        now = motion.movement.now
+        now = motion.reach.now
         speed.append(float(np.linalg.norm(now[3:6])))
-        distance = float(np.linalg.norm(now[:3] - motion.movement.start))
+        distance = float(np.linalg.norm(now[:3] - motion.reach.start))
     if len(elapsed) < 5:
         return None
     return Shown(np.array(elapsed), np.array(place), np.array(speed), distance)

@@ -56,6 +56,8 @@ class Recording:
         Of its moments.
     grip : str or None
         With which it is grasped.
+    absent : bool
+        Whether the target is never seen.
     """
 
     person: str
@@ -69,6 +71,12 @@ class Recording:
     rate: float
     weight: float = 1.0
     grip: str | None = None
+    absent: bool = False
+
+    def with_absent_target(self) -> Recording:
+        """Return the same with a target that is never seen: a reach for none of what is there."""
+        less = self.without([str(self.target)])
+        return replace(less, absent=True, weight=ABSENT * self.weight)
 
     def without(self, ids: Sequence[str]) -> Recording:
         """Return the same with some objects never seen."""
@@ -137,10 +145,10 @@ def moments_of(recording: Recording, frames: Frames) -> Moments:
     """Return the features of one recording, rounded so that no machine's last digit matters."""
     local, shared, target, part, rows = [], [], [], [], [0]
     for motion, geometry in frames:
-        if not motion.movement.moving or not geometry.objects:
+        if not motion.reach.stirs or not geometry.objects:
             continue
         each, common = np.empty((len(geometry.objects), len(LOCAL))), np.empty(len(SHARED))
-        describe(*motion.movement[1:], geometry.cylinders(), each, common)
+        describe(*motion.reach[1:], geometry.cylinders(), each, common)
         part.append((motion.t - recording.onset) / (recording.end - recording.onset))
         wanted = recording.onset <= motion.t < recording.back
         ids = [placed.id for placed in geometry.objects]

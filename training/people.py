@@ -6,18 +6,17 @@ import math
 import sys
 import zlib
 from collections.abc import Container, Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from igrip.importers.base import ImportOptions, Reach, observe, read_tables
 from igrip.importers.wispinski2021 import Wispinski2021
-from training.moments import ABSENT, THINGS, Recording, catalog
+from training.moments import THINGS, Recording, catalog
 
 FOLDS, KEPT_BACK, VALIDATION = 5, 1, 0
 LEARNED_FROM = tuple(k for k in range(FOLDS) if k != KEPT_BACK)
-EACH = 120  # reaches of each person
+EACH = 160  # reaches of each person
 
 
 def fold(participant: str) -> int:
@@ -50,10 +49,10 @@ def record(reach: Reach, seed: int) -> Recording:
     """
     random = np.random.default_rng(seed)
     rate = float(random.choice([15.0, 20.0, 30.0, 30.0, 30.0, 60.0, 120.0]))
-    rest = round(float(random.choice([0.0, 0.0, 0.4, 0.8])) * rate) / rate
+    rest = round(float(random.choice([0.0, 0.0, 0.5, 1.0, 1.5])) * rate) / rate
     options = ImportOptions(
         mesh=THINGS[int(random.integers(len(THINGS)))], rate=rate, rest=rest,
-        noise=float(random.choice([0.001, 0.002, 0.004, 0.004])), seed=seed,
+        noise=float(random.choice([0.001, 0.002, 0.004, 0.004, 0.006])), seed=seed,
     )  # fmt: skip
     told = Recording(
         person=reach.participant, kind="near" if reach.extra["distance"] == "near" else "far",
@@ -61,7 +60,7 @@ def record(reach: Reach, seed: int) -> Recording:
         onset=rest - 1e-9, end=rest + float(reach.times[-1]), back=math.inf, rate=rate,
     )  # fmt: skip
     absent = random.random() < 0.125
-    return replace(told.without([reach.target]), weight=ABSENT) if absent else told
+    return told.with_absent_target() if absent else told
 
 
 def main() -> None:

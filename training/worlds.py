@@ -7,7 +7,6 @@ judges (:mod:`igrip.simulation.parameters`) is one point among them, its seeds a
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from igrip.simulation.no_reach import KINDS, draw_no_reach
 from igrip.simulation.parameters import Camera, Cohort, Person, Protocol
 from igrip.simulation.sensors import film, place_camera
 from igrip.simulation.table import set_table
-from training.moments import ABSENT, THINGS, Recording, catalog
+from training.moments import THINGS, Recording, catalog
 
 TRIALS = 10  # of each person
 NO_REACH = 1.5  # weight of hands that reach for nothing (guess)
@@ -32,7 +31,7 @@ def draw_world(random: np.random.Generator) -> Cohort:
         return float(random.uniform(low, high))
 
     protocol = Protocol(
-        repetitions=1, rate=float(random.choice(RATES)), rest=between(0, 0.8),
+        repetitions=1, rate=float(random.choice(RATES)), rest=between(0, 1.6),
         rest_spread=between(0, 0.8), hold=between(0.3, 1.2), table_width=between(0.4, 1.0),
         table_near=between(0.18, 0.35), table_far=between(0.42, 0.75),
         separation=between(0.11, 0.2), rest_aside=between(0.02, 0.35),
@@ -41,18 +40,24 @@ def draw_world(random: np.random.Generator) -> Cohort:
     )  # fmt: skip
     duration = math.exp(between(math.log(0.6), math.log(2.2)))
     person = Person(
-        duration=duration, duration_between=0.1 * duration, duration_within=0.1 * duration,
-        peak_time=between(0.34, 0.52), lift=between(0, 0.12), curvature=between(-0.05, 0.16),
-        curvature_within=between(0.01, 0.08), aim_error=between(0, 0.05),
-        end_error=between(0.003, 0.015), submovements=between(0, 2.5), undershoot=between(0, 0.3),
-        tremor=between(0.0002, 0.001), sway=between(0.001, 0.004), hesitation=between(0, 0.1),
+        duration=duration, duration_between=between(0.06, 0.2) * duration,
+        duration_within=between(0.06, 0.15) * duration,
+        peak_time=between(0.34, 0.52), lift=between(0, 0.12), curvature=between(-0.05, 0.2),
+        curvature_within=between(0.01, 0.1), aim_error=between(0, 0.06),
+        end_error=between(0.003, 0.015), submovements=between(0, 2.5), undershoot=between(0, 0.35),
+        tremor=between(0.0002, 0.0015), sway=between(0.001, 0.004), hesitation=between(0, 0.1),
         change_of_mind=between(0, 0.08), change_at=between(0.25, 0.45),
     )  # fmt: skip
     camera = Camera(
+        aside=between(0.1, 0.7), behind=between(-0.2, 0.4), height=between(0.35, 0.9),
         disparity_noise=between(0.05, 0.9), lateral_noise=between(0.0003, 0.003),
-        correlation=between(0, 0.8), outliers=between(0, 0.006), lost=between(0, 0.02),
+        correlation=between(0, 0.8), outliers=between(0, 0.006),
+        outlier_size=between(0.03, 0.1), lost=between(0, 0.03), lost_for=between(1.5, 5),
+        moving_lost=between(0, 4), swapped=between(0, 0.003), duplicated=between(0, 0.003),
         object_latency=between(0, 0.15), object_rate=between(8, 30), object_bias=between(0, 0.008),
-        never_found=0.0,
+        object_bias_turn=between(0, 0.08), object_jitter=between(0, 0.003),
+        object_jitter_turn=between(0, 0.03), flips=between(0, 0.02), object_lost=between(0, 0.03),
+        object_lost_for=between(2, 8), never_found=between(0, 0.04), occluded=between(0, 1),
     )  # fmt: skip
     return Cohort(protocol=protocol, person=person, camera=camera)
 
@@ -76,7 +81,7 @@ def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator
     camera_at = place_camera(world.camera, SIDES[int(random.integers(2))], random)
     kind = str(random.choice(["reach"] * 12 + ["absent"] * 3 + ["none"] * 3))
     if kind == "none":
-        kind = KINDS[int(random.integers(1, len(KINDS)))]
+        kind = KINDS[int(random.integers(len(KINDS)))]
         table = set_table(models, world.protocol, random)
         scene = draw_no_reach(kind, table, world, rest_points(world.protocol), 8.0, random)
         messages = film(
@@ -118,8 +123,8 @@ def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator
     recording = Recording(
         person, kind, messages, hand, target, *done.bounds, back, protocol.rate, grip=grip
     )
-    if kind == "absent":  # what it reaches for is never seen; rarer in life than here
-        return replace(recording.without([target]), weight=ABSENT)
+    if kind == "absent":
+        return recording.with_absent_target()
     if random.random() < 0.1:
         return recording.without([id for id in models if id != target])
     return recording

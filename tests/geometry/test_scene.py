@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from igrip.geometry.scene import RayConfig, Scene
-from igrip.motion.reach import Reach
+from igrip.motion.reach import ReachDetector
 from igrip.motion.trajectory import Motion
 from oracle import cones, meshes, motion
 from support import BOX, CAN, oracle_mesh, placed, random_turn
@@ -34,8 +34,7 @@ def moving(coefficients, position=None):
         window_peak_speed=None,
         future=future,
         future_velocity=velocity,
-        reach=Reach("rest", 0.0, (0.0, 0.0, 0.0), 0.0, 0.0),
-        movement=None,
+        reach=ReachDetector().update(0.0, (0.0, 0.0, 0.0)),
     )
 
 

@@ -15,7 +15,7 @@ from igrip.evaluation.trials import score_trial
 from igrip.geometry.scene import Geometry, RayConfig, Scene, ray_pattern
 from igrip.grips.cylinder import is_pinch
 from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter
-from igrip.motion.reach import Reach
+from igrip.motion.reach import ReachDetector
 from igrip.motion.trajectory import Motion, MotionConfig, Trajectory
 from igrip.targets import TARGETS
 from igrip.targets.weighted import paper_weights, repaired_weights
@@ -102,8 +102,7 @@ def moving(position, coefficients):
         window_peak_speed=None,
         future=c0 + steps * c1 + steps**2 * c2,
         future_velocity=c1 + 2.0 * steps * c2,
-        reach=Reach("rest", 0.0, tuple(position), 0.0, 0.0),
-        movement=None,
+        reach=ReachDetector().update(0.0, tuple(position)),
     )
 
 
@@ -166,7 +165,7 @@ def test_scores():
         geometry = geometry_of(case)
         speed, peak = case["speed"], case["peak"]
         zero = np.zeros((3, 3))
-        motion = Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None, zero[0])
+        motion = Motion(0.0, zero[0], zero, zero[0], speed, peak, zero, zero, None)
         cues = {name: CUES.get(name).score(motion, geometry, CueConfig()) for name in METRICS}
         for name in METRICS:
             assert cues[name] == pytest.approx(case["scores"][name], **TIGHT), name

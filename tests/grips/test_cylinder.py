@@ -71,7 +71,7 @@ def at(position):
     """Return the motion of a hand that rests at a position."""
     zero = np.zeros((3, 3))
     return Motion(0.0, position, zero, zero[0], 0.0, None, np.tile(position, (10, 1)),
-                  np.zeros((10, 3)), None, position)  # fmt: skip
+                  np.zeros((10, 3)), None)  # fmt: skip
 
 
 def test_the_full_length_would_put_the_border_outside(shapes):

@@ -1,4 +1,4 @@
-"""The causal detector of reaches, over speeds that are given."""
+"""When a movement begins and ends, and what is kept of it."""
 
 from __future__ import annotations
 
@@ -8,91 +8,169 @@ import math
 import numpy as np
 import pytest
 
+from igrip.motion import reach as module
 from igrip.motion.reach import ReachConfig, ReachDetector
+from igrip.simulation.minimum_jerk import reach
 
-RATE = 30.0
-
-
-def follow(speeds, config=None):
-    """Return what the detector says of each speed; the hand moves along x."""
-    detector = ReachDetector(config or ReachConfig())
-    x, found = 0.0, []
-    for k, speed in enumerate(speeds):
-        x += speed / RATE
-        found.append(detector.update(k / RATE, (x, 0.0, 0.0), speed))
-    return found
+START, GOAL = np.array([0.1, 0.0, 0.05]), np.array([0.1, 0.4, 0.05])
+RATES = (15.0, 30.0, 60.0, 120.0)
 
 
-def bell(peak=0.8, count=24):
-    s = np.linspace(0.0, 1.0, count)
-    return (peak * 16.0 * s**2 * (1.0 - s) ** 2).tolist()
+def followed(times, points, config=None):
+    """Return what the detector says of each sample."""
+    one = ReachDetector(config)
+    return [one.update(float(t), p) for t, p in zip(times, points, strict=True)]
 
 
-def test_a_reach_from_rest_to_rest():
-    speeds = [0.01] * 10 + bell() + [0.01] * 10
-    found = follow(speeds)
-    phases = [reach.phase for reach in found]
-    first = next(k for k, speed in enumerate(speeds) if speed > 0.10)
-    peak = int(np.argmax(speeds))
-    assert phases[:first] == ["rest"] * first
-    assert phases[first : peak + 1] == ["accelerating"] * (peak + 1 - first)
-    assert phases[peak + 2] == "decelerating"
-    assert phases[-1] == "rest"
-    assert sum(a != b for a, b in itertools.pairwise(phases)) == 3
+def a_reach(rate=30.0, rest=0.5, lasts=1.0, hold=0.6, noise=0.0, seed=0):
+    """Return times and points of a hand that rests, reaches and stays."""
+    rng = np.random.default_rng(seed)
+    times = np.arange(0.0, rest + lasts + hold, 1.0 / rate)
+    points = reach(START, GOAL, 0.0, (times - rest) / lasts)
+    return times, points + noise * rng.normal(size=points.shape)
 
 
-def test_onset_is_dated_back_to_the_last_rest():
-    speeds = [0.01] * 5 + [0.06, 0.08, 0.12, 0.3, 0.5]
-    found = follow(speeds)
-    last_rest = 4
-    assert found[-1].onset == pytest.approx(last_rest / RATE)
-    assert found[-1].start == pytest.approx((0.05 / RATE, 0.0, 0.0))
-    assert found[-1].elapsed == pytest.approx((len(speeds) - 1 - last_rest) / RATE)
-    assert found[-1].peak_speed == 0.5
+def correlated(rng, count, sd, part):
+    """Return noise that resembles that of the sample before, shape (count, 3)."""
+    points = sd * rng.normal(size=(count, 3))
+    for k in range(1, count):
+        points[k] = part * points[k - 1] + math.sqrt(1.0 - part**2) * points[k]
+    return points
 
 
-def test_a_slow_moment_does_not_end_a_reach():
-    speeds = [0.01] * 5 + [0.2, 0.4, 0.02, 0.02, 0.4, 0.4]  # slow for less than 0.1 s
-    phases = [reach.phase for reach in follow(speeds)]
-    assert "rest" not in phases[5:]
-    again = follow([0.01] * 5 + [0.2, 0.4] + [0.02] * 5 + [0.01, 0.3])
-    assert again[-2].phase == "rest"
-    assert again[-1].onset > 10 / RATE  # a new reach, from where the hand rested
+def moving(found):
+    return np.array([one.moving for one in found])
 
 
-def test_a_tenth_of_the_peak_counts_as_rest():
-    phases = [reach.phase for reach in follow([0.01] * 3 + [1.0, 1.5] + [0.12] * 6)]
-    assert "rest" in phases[5:]
-    phases = [reach.phase for reach in follow([0.01] * 3 + [1.0, 1.5] + [0.2] * 6)]
-    assert phases[5:] == ["decelerating"] * 6
+@pytest.mark.parametrize("rate", RATES)
+def test_a_reach_is_one_movement_between_two_rests(rate):
+    times, points = a_reach(rate)
+    found = followed(times, points)
+    moves = moving(found)
+    assert (np.diff(moves.astype(int)) != 0).sum() == 2
+    assert 0.5 < times[moves][0] < 0.8
+    assert 1.35 < times[moves][-1] < 1.75
 
 
-def test_peak_speed_and_elapsed_at_rest_are_zero():
-    for reach in follow([0.0, 0.05, 0.09]):
-        assert (reach.phase, reach.elapsed, reach.peak_speed) == ("rest", 0.0, 0.0)
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("sd", [0.001, 0.002, 0.004])
+def test_noise_neither_hides_a_reach_nor_splits_it(rate, sd):
+    begins = []
+    for seed in range(10):
+        times, points = a_reach(rate, rest=1.0, noise=sd, seed=seed)
+        moves = moving(followed(times, points))
+        assert not moves[(times > 0.5) & (times < 1.0)].any()  # before, noise is not known yet
+        assert moves[(times > 1.36) & (times < 1.75)].all()
+        begins.append(times[moves][0])
+    assert np.mean(begins) < 1.0 + 0.3
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("sd", [0.001, 0.002, 0.004, 0.008, 0.015])
+def test_noise_at_rest_is_no_movement(rate, sd):
+    rng = np.random.default_rng(7)
+    times = np.arange(0.0, 120.0, 1.0 / rate)
+    moves = moving(followed(times, sd * rng.normal(size=(len(times), 3))))
+    settled = moves[times > 1.0]  # before, how noisy it is cannot be known
+    assert settled.mean() < 0.002
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_slow_noise_of_a_depth_camera_is_seldom_a_movement(rate):
+    rng = np.random.default_rng(8)
+    times = np.arange(0.0, 120.0, 1.0 / rate)
+    points = correlated(rng, len(times), 0.004, 0.6 ** (30.0 / rate))
+    assert moving(followed(times, points))[times > 1.0].mean() < 0.01
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(("speed", "sd"), [(0.05, 0.0), (0.08, 0.0), (0.08, 0.002)])
+def test_a_slow_hand_moves_too(rate, speed, sd):
+    rng = np.random.default_rng(4)
+    times = np.arange(0.0, 1.0 + 0.3 / speed, 1.0 / rate)
+    points = np.outer(np.clip(times - 1.0, 0.0, None) * speed, [0.0, 1.0, 0.0])
+    points += sd * rng.normal(size=points.shape)
+    moves = moving(followed(times, points))
+    late = times > 1.0 + 0.1 / speed  # a third of its way
+    assert moves[late].mean() > 0.9
+
+
+@pytest.mark.parametrize("rate", [15.0, 30.0, 120.0])
+def test_start_peak_and_path_do_not_hang_on_the_rate(rate):
+    one = followed(*a_reach(rate, hold=0.0))[-1]
+    assert one.moving
+    assert one.start == pytest.approx(START, abs=0.01)
+    assert one.peak_speed == pytest.approx(1.875 * 0.4, rel=0.1)
+    assert one.state[module.PATH] == pytest.approx(0.4, rel=0.05)
+    assert one.onset == pytest.approx(0.6, abs=0.1)
+    assert one.elapsed == pytest.approx(0.9, abs=0.15)
+
+
+def test_phases_of_a_reach():
+    times, points = a_reach(60.0)
+    phases = [one.phase for one in followed(times, points)]
+    runs = [phase for phase, _ in itertools.groupby(phases)]
+    assert runs[:3] == ["rest", "accelerating", "decelerating"]
+    assert runs[-1] == "rest"
+    turns = times[phases.index("decelerating")]
+    assert turns == pytest.approx(1.0, abs=0.08)  # the peak of a minimum jerk is in its middle
+
+
+def test_a_moment_of_rest_does_not_end_a_reach():
+    times = np.arange(0.0, 2.0, 1.0 / 60.0)
+    way = 0.4 * np.clip(times - 0.5, 0.0, 0.4) + 0.4 * np.clip(times - 0.95, 0.0, 10.0)
+    found = followed(times, np.outer(way, [1.0, 0.0, 0.0]))
+    assert all(one.moving for one, t in zip(found, times, strict=True) if t > 0.7)
+
+
+def test_after_a_rest_on_the_way_the_reach_begins_anew_from_there():
+    times = np.arange(0.0, 2.5, 1.0 / 60.0)
+    way = 0.4 * np.clip(times - 0.5, 0.0, 0.5) + 0.4 * np.clip(times - 1.8, 0.0, 10.0)
+    found = followed(times, np.outer(way, [1.0, 0.0, 0.0]))
+    last = found[-1]
+    assert [one.moving for one in found].count(False) > 30
+    assert last.start == pytest.approx([0.2, 0.0, 0.0], abs=0.02)
+    assert last.onset == pytest.approx(1.8, abs=0.1)
+
+
+def test_at_rest_there_is_no_speed_and_no_time():
+    for one in followed(np.arange(10) / 30.0, np.zeros((10, 3))):
+        assert (one.phase, one.elapsed, one.peak_speed) == ("rest", 0.0, 0.0)
 
 
 def test_a_hand_that_is_first_seen_moving_has_a_finite_onset():
-    [reach, *_] = follow([0.7, 0.8])
-    assert reach.phase == "accelerating"
-    assert math.isfinite(reach.onset)
-    assert all(map(math.isfinite, reach.start))
+    times = np.arange(8) / 30.0
+    one = followed(times, np.outer(times, [0.7, 0.0, 0.0]))[-1]
+    assert one.moving
+    assert math.isfinite(one.onset)
+    assert np.isfinite(one.start).all()
 
 
-def test_it_is_causal():
-    rng = np.random.default_rng(3)
-    speeds = np.abs(np.cumsum(rng.normal(0.0, 0.08, 120))).tolist()
-    whole = follow(speeds)
-    for cut in (1, 17, 60, 119):
-        assert follow(speeds[:cut]) == whole[:cut]
+def test_a_long_movement_keeps_points_over_all_of_it():
+    times = np.arange(0.0, 20.0, 1.0 / 60.0)
+    around = np.stack([np.sin(2.0 * times), np.cos(2.0 * times), 0.0 * times], axis=1)
+    kept = followed(times, 0.3 * around)[-1].points[:, 0]
+    assert len(kept) <= module.MOST_POINTS
+    assert (np.diff(kept) > 0.0).all()
+    assert kept[0] < 1.0
+    assert kept[-1] == times[-1]
 
 
-def test_a_shifted_clock_changes_nothing():
-    speeds = [0.01] * 10 + bell() + [0.01] * 10
+def test_after_a_gap_nothing_is_known_of_the_movement_before():
+    one = ReachDetector()
+    for k in range(15):
+        last = one.update(k / 30.0, (0.02 * k, 0.0, 0.0))
+    assert last.moving
+    after = one.update(0.5 + 0.6, (0.9, 0.0, 0.0))
+    assert not after.moving
+    assert after.start == pytest.approx([0.9, 0.0, 0.0])
+    assert last.start == pytest.approx([0.0, 0.0, 0.0], abs=0.05)  # what was told stays as it was
+
+
+def test_it_is_causal_and_a_shifted_clock_changes_nothing():
+    times, points = a_reach(30.0, noise=0.003, seed=3)
+    whole = [one.phase for one in followed(times, points)]
+    assert [one.phase for one in followed(times[:25], points[:25])] == whole[:25]
     config = ReachConfig(dwell=0.09)  # no multiple of the time between two frames
-    phases = [reach.phase for reach in follow(speeds, config)]
-    detector = ReachDetector(config)
-    shifted = [
-        detector.update(1e6 + k / RATE, (0.0, 0.0, 0.0), s).phase for k, s in enumerate(speeds)
-    ]
-    assert shifted == phases
+    here = [one.phase for one in followed(times, points, config)]
+    assert [one.phase for one in followed(times + 1e6, points, config)] == here

@@ -85,4 +85,7 @@ def test_reset_is_as_new():
         assert (a is None) == (b is None)
         if a is not None:
             assert (a.coefficients == b.coefficients).all()
-            assert (a.window_peak_speed, a.reach) == (b.window_peak_speed, b.reach)
+            assert a.window_peak_speed == b.window_peak_speed
+            assert all(
+                np.array_equal(x, y, equal_nan=True) for x, y in zip(a.reach, b.reach, strict=True)
+            )

@@ -157,7 +157,8 @@ def test_at_rest_none_is_likelier_than_any_object():
     for objects in (1, 2, 100):
         belief = resting(objects)
         assert belief.sum() == pytest.approx(1.0)
-        assert belief[-1] == NONE_AT_REST > belief[:-1].max()
+        assert belief[-1] >= NONE_AT_REST
+        assert belief[-1] >= 1.9 * belief[:-1].max()
     assert resting(0).tolist() == [1.0]
 
 

@@ -12,7 +12,7 @@ from igrip.targets.features import LOCAL, SHARED
 from igrip.targets.network import INPUTS, read_scorer
 from training import learn
 from training.grip import fit_grip, terms_of
-from training.learn import fit, inputs_of, probabilities, scores_of, write_scorer
+from training.learn import fit, inputs_of, scores_of, write_scorer
 from training.logit import fit_logit, linear, logit_scores
 from training.moments import Moments, joined, thinned
 
@@ -77,9 +77,7 @@ def test_the_file_holds_every_digit(tmp_path):
     write_scorer(shipped, tmp_path / "again.json")
     assert (tmp_path / "again.json").read_text() == WEIGHTS.read_text()
     x = np.random.default_rng(0).normal(size=(50, len(INPUTS)))
-    assert (
-        probabilities(read_scorer(tmp_path / "again.json"), x) == probabilities(shipped, x)
-    ).all()
+    assert (scores_of(read_scorer(tmp_path / "again.json"), x) == scores_of(shipped, x)).all()
 
 
 def test_thinned_moments_keep_the_weight_and_the_targets():

@@ -139,7 +139,9 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
     )
     for key, value in (summary["derived"] or {}).items():
         console.print(f"  {key}: {value}")
-    table = Table("targets", "group")
+    table = Table()
+    table.add_column("targets", overflow="fold", min_width=len("distance_derivative"))
+    table.add_column("group")
     for column in ("trials", "success", *(f"right at {f:.0%}" for f in FRACTIONS)):
         table.add_column(column, justify="right")
     for column in ("delay", "from onset on", "margin"):

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Vector
-from igrip.motion.course import Course, CourseConfig, Movement
 from igrip.motion.filters import OneEuroConfig, PositionFilter
 from igrip.motion.quadratic import fit_quadratic, follow
 from igrip.motion.reach import Reach, ReachConfig, ReachDetector
@@ -22,7 +21,6 @@ class MotionConfig(Settings):
 
     filter: OneEuroConfig = OneEuroConfig()
     reach: ReachConfig = ReachConfig()
-    course: CourseConfig = CourseConfig()
     window: int = quantity(20, "samples", "n_f, length of the window", "SPEC §3", ge=3, le=1000)
     window_duration: float = quantity(
         1.0, "s", "samples older than this leave the window", "SPEC §3: bounded by time", gt=0
@@ -53,9 +51,7 @@ class Motion(NamedTuple):
     future_velocity : (m, 3)
         Predicted velocities [m/s].
     reach : Reach
-        Phase of the movement.
-    movement : Movement
-        The movement so far, from the measured samples.
+        Phase and course of the movement so far, from the measured samples.
     """
 
     t: float
@@ -67,7 +63,6 @@ class Motion(NamedTuple):
     future: Array
     future_velocity: Array
     reach: Reach
-    movement: Movement
 
 
 class Trajectory:
@@ -89,7 +84,6 @@ class Trajectory:
         """Forget everything, as before the first sample."""
         self._filter = PositionFilter(self._config.filter)
         self._reach = ReachDetector(self._config.reach)
-        self._course = Course(self._config.course)
         # twice the window, so that it can slide without moving on every sample
         self._times = np.empty(2 * self._config.window)
         self._positions = np.empty((2 * self._config.window, 3))
@@ -112,7 +106,7 @@ class Trajectory:
         Motion or None
             None while the window does not determine the regression.
         """
-        movement = self._course.update(t, position)
+        reach = self._reach.update(t, position)
         filtered = self._filter.update(t, position)
         self._append(t, filtered)
         coefficients = np.empty((3, 3))
@@ -132,8 +126,7 @@ class Trajectory:
             window_peak_speed=peak if peak >= 0.0 else None,
             future=future,
             future_velocity=future_velocity,
-            reach=self._reach.update(t, filtered, speed),
-            movement=movement,
+            reach=reach,
         )
 
     def _append(self, t: float, position: Vector) -> None:

@@ -27,7 +27,7 @@ from igrip.targets.network import Scorer, read_scorer
 WEIGHTS = Path(__file__).with_name("bayes.json")
 CHANGE_OF_MIND = 0.1  # a second, guess
 REST_MEMORY = 1.0  # s, time constant with which a resting hand's belief is forgotten; guess
-NONE_AT_REST = 0.6  # what is then believed of none: a hand at rest may be about to move; guess
+NONE_AT_REST = 0.4  # what is then at least believed of none: it may be about to reach; guess
 LONGEST_REST = 0.1  # s between two samples; what happened in a longer gap was not seen
 NAMELESS = 0.75  # a moving hand has no target where none is likelier than this
 UNLIKELY = 1e-6  # no object is ever ruled out for good
@@ -67,7 +67,8 @@ def resting(objects: int) -> Scores:
     """Return what is believed of a hand that has long been at rest, shape (objects + 1,)."""
     if not objects:
         return np.ones(1)
-    return np.append(np.full(objects, (1.0 - NONE_AT_REST) / objects), NONE_AT_REST)
+    none = max(NONE_AT_REST, 2.0 / (2.0 + objects))  # at least twice as likely as any one object
+    return np.append(np.full(objects, (1.0 - none) / objects), none)
 
 
 @cache
@@ -98,26 +99,23 @@ class Bayes:
         early in a reach much speaks for none, and yet which object it would be is often clear. A
         hand at rest has the target that is likelier than none.
         """
-        movement = motion.movement
-        moves = movement.moving
+        moves = motion.reach.moving
         self._follow_objects([placed.id for placed in geometry.objects])
         objects = len(self._ids)
         passed = 0.0 if math.isnan(self._t) else motion.t - self._t
         self._t = motion.t
         belief = self._belief
-        if moves and objects:
+        if motion.reach.stirs and objects:
             local, shared = np.empty((objects, len(LOCAL))), np.empty(len(SHARED))
-            describe(*movement[1:], geometry.cylinders(), local, shared)
+            describe(*motion.reach[1:], geometry.cylinders(), local, shared)
             keep = math.exp(-passed / self._scorer.memory)
             change = -math.expm1(-CHANGE_OF_MIND * passed)
             pool(belief, self._scorer.score(local, shared), keep, change)
-        elif not moves:
+        elif not motion.reach.stirs:
             keep = math.exp(-min(passed, LONGEST_REST) / REST_MEMORY)
             belief[:] = keep * belief + (1.0 - keep) * resting(objects)
         best = best_of(belief[:-1])
-        # noise starts a movement for the one detector at low rates, for the other at high ones
-        reaches = moves and motion.reach.phase != "rest"
-        limit = NAMELESS if reaches or best is None else float(belief[best])
+        limit = NAMELESS if moves or best is None else float(belief[best])
         target = best if belief[-1] <= limit else None
         return Belief(target, belief[:-1].copy(), belief.copy())
 

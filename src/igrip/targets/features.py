@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.geometry import cylinder
-from igrip.motion import course
+from igrip.motion import reach
 
 Array = NDArray[np.float64]
 LOCAL = (
@@ -61,17 +61,17 @@ def describe(state, points, now, cylinders, local, shared):
     Parameters
     ----------
     state, points, now : arrays
-        Of a :class:`igrip.motion.course.Movement` of a hand that moves.
+        Of a :class:`igrip.motion.reach.Reach` of a hand that moves.
     cylinders : (o, 11)
         As :mod:`igrip.geometry.cylinder` lays them out.
     local : (o, 22), shared : (10,), written
         In the order of :data:`LOCAL` and :data:`SHARED`.
     """
     p, v, a = now[:3], now[3:6], now[6:9]
-    start = state[course.START : course.START + 3]
-    t, count = state[course.TIME], int(state[course.COUNT])
-    elapsed = max(t - state[course.ONSET], 1e-3)
-    peak = state[course.PEAK]
+    start = state[reach.START : reach.START + 3]
+    t, count = state[reach.TIME], int(state[reach.COUNT])
+    elapsed = max(t - state[reach.ONSET], 1e-3)
+    peak = state[reach.PEAK]
     speed2 = pull2 = covered2 = along_way = 0.0
     for axis in range(3):
         speed2 += v[axis] ** 2
@@ -86,8 +86,8 @@ def describe(state, points, now, cylinders, local, shared):
     shared[0] = speed / (peak + SMALL)
     shared[1] = speed * elapsed / covered
     shared[2] = gain * elapsed / (speed + SMALL)
-    shared[3] = state[course.PATH] / covered
-    shared[4] = (state[course.PEAK_AT] - state[course.ONSET]) / elapsed
+    shared[3] = state[reach.PATH] / covered
+    shared[4] = (state[reach.PEAK_AT] - state[reach.ONSET]) / elapsed
     shared[5] = speed * (t - quarter[0]) / covered
     shared[6] = speed * (t - half[0]) / covered
     shared[7] = (t - half[0]) / (t - quarter[0] + 1e-3)
@@ -144,7 +144,7 @@ def describe(state, points, now, cylinders, local, shared):
         row[13] = left * math.sqrt(max(0.0, 1.0 - late_cosine**2)) / way
         row[14] = pulled / (pull * left + SMALL)
         row[15] = covered / way
-        row[16] = state[course.PATH] / way
+        row[16] = state[reach.PATH] / way
         row[17] = finally_ / (math.sqrt(last2) * left + SMALL)
         row[18] = gain * elapsed**2 / way
         size = cylinders[o, cylinder.RADIUS] + cylinders[o, cylinder.HALF_LENGTH]

@@ -54,16 +54,16 @@ class Follower:
 
     def update(self, motion: Motion, geometry: Geometry) -> InReach | None:
         """Take the next frame; None while the hand rests or there is nothing to reach."""
-        movement = motion.movement
-        elapsed = movement.elapsed
+        reach = motion.reach
+        elapsed = reach.elapsed
         passed = elapsed if math.isnan(self._t) else min(elapsed, motion.t - self._t)
         self._t = motion.t
-        if not movement.moving or not geometry.objects:
+        if not reach.moving or not geometry.objects:
             return None
         cylinders = geometry.cylinders()
         local, shared = np.empty((len(cylinders), len(LOCAL))), np.empty(len(SHARED))
-        describe(*movement[1:], cylinders, local, shared)
-        away = cylinders[:, cylinder.MIDDLE : cylinder.AXIS] - movement.start
+        describe(*reach[1:], cylinders, local, shared)
+        away = cylinders[:, cylinder.MIDDLE : cylinder.AXIS] - reach.start
         return InReach(
             elapsed=elapsed,
             passed=passed,

@@ -44,7 +44,7 @@ class Templates:
             return self._next_to(self._end, geometry)
         if seen.elapsed < self._profile[-1][0]:
             self._begin()
-        now, start = motion.movement.now, motion.movement.start
+        now, start = motion.reach.now, motion.reach.start
         self._profile.append((seen.elapsed, float(np.linalg.norm(now[3:6]))))
         known = np.array(self._profile)
         steps = min(1 + int(seen.elapsed / self._step), self._speeds.shape[1])

@@ -1,0 +1,15 @@
+/* The client's rule for leases: may a device start an action now? Copy it into your program.
+   Feed it every message of one hand, valid_for 0 where commitment or valid_for is null; now: any
+   clock that never goes back, in seconds. Ask before acting, and while a closing goes on. */
+#include <string.h>
+
+typedef struct { char session[32]; long long seq; double until; } lease;
+
+static void lease_take(lease *l, const char *session, long long seq, double valid_for, double now) {
+    if (strncmp(l->session, session, 31) == 0 && seq <= l->seq) return; /* late, or told twice */
+    strncpy(l->session, session, 31);
+    l->seq = seq;
+    l->until = valid_for > 0.0 ? now + (valid_for < 0.15 ? valid_for : 0.15) : 0.0;
+}
+
+static int lease_permits(const lease *l, double now) { return now < l->until; }

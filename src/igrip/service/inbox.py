@@ -1,0 +1,78 @@
+"""Between the edges and the estimator: a bounded queue, newest first to stay, all losses counted."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, deque
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Inbox(Generic[T]):
+    """What has come and is not taken yet.
+
+    Parameters
+    ----------
+    most : int
+        How many may wait. One more pushes out the oldest, or waits itself (``put(wait=True)``).
+
+    Attributes
+    ----------
+    counts : Counter
+        ``taken`` in, ``pushed_out``, and whatever the edges count (``malformed``, …).
+    """
+
+    def __init__(self, most: int = 256) -> None:
+        self._most = most
+        self._items: deque[T] = deque()
+        self._change = threading.Condition()
+        self._closed = False
+        self.counts: Counter[str] = Counter()
+
+    def put(self, item: T, wait: bool = False) -> None:
+        """Add an item; where there is no room, wait for some or push out the oldest."""
+        with self._change:
+            if wait:
+                self._change.wait_for(lambda: len(self._items) < self._most or self._closed)
+            elif len(self._items) >= self._most:
+                self._items.popleft()
+                self.counts["pushed_out"] += 1
+            self._items.append(item)
+            self.counts["taken"] += 1
+            self._change.notify_all()
+
+    def get(self, timeout: float) -> T | None:
+        """Return the oldest item; None if there is none for so long [s]."""
+        with self._change:
+            self._change.wait_for(lambda: self._items or self._closed, timeout)
+            if not self._items:
+                return None
+            item = self._items.popleft()
+            self._change.notify_all()
+            return item
+
+    def count(self, what: str) -> None:
+        """Count something that befell what came in."""
+        with self._change:
+            self.counts[what] += 1
+
+    def close(self) -> None:
+        """Say that nothing more will come."""
+        with self._change:
+            self._closed = True
+            self._change.notify_all()
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing is left and nothing will come."""
+        with self._change:
+            return self._closed and not self._items
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def report(self) -> dict[str, Any]:
+        """Return what was counted, and how many wait."""
+        with self._change:
+            return {**self.counts, "waiting": len(self._items)}

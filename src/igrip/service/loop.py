@@ -1,0 +1,125 @@
+"""The estimator at work for others: takes what came, ticks in silence, hands on what it says."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from igrip.errors import ObservationError
+from igrip.estimator import Estimator
+from igrip.observation import Observation
+from igrip.outputs.base import Output
+from igrip.outputs.wire import Clock, Numbering
+from igrip.service.inbox import Inbox
+from igrip.service.incoming import Control
+from igrip.service.stamp import ArrivalStamp, SenderStamp
+
+TICK = 0.05  # s of silence after which the estimator is told that time passes (DESIGN §3)
+MOST_SENDERS = 64  # whose clocks are remembered
+
+
+class Service:
+    """One estimator, its inbox and its outputs.
+
+    Parameters
+    ----------
+    estimator : Estimator
+        New.
+    senders_clock : bool
+        True: times are those of the one sender (a recording that is piped in). False: messages are
+        stamped as they arrive.
+    clock : function
+        A monotonic clock [s].
+    """
+
+    def __init__(
+        self, estimator: Estimator, senders_clock: bool = False, clock: Clock = time.monotonic
+    ) -> None:
+        self._estimator = estimator
+        self._clock = clock
+        self._begin = self._newest = clock()
+        self._sender = SenderStamp() if senders_clock else None
+        self._stamps: dict[object, ArrivalStamp] = {}
+        self.inbox: Inbox[tuple[float, Observation | Control, object]] = Inbox()
+        self.numbering = Numbering(clock)
+        self.outputs: list[Output] = []
+        self._said = 0
+        self._report: dict[str, Any] = {}
+        self._lock = threading.Lock()
+
+    def take(self, message: Observation | Control, sender: object = None, wait: bool = False) -> None:
+        """Put what came into the inbox, with the time it came at."""
+        self.inbox.put((self._clock(), message, sender), wait)
+
+    def run(self, report: float | None = None) -> None:
+        """Work until the inbox is closed and empty."""
+        reported = self._clock()
+        while not self.inbox.over:
+            self.step(TICK)
+            if report is not None and self._clock() - reported >= report:
+                reported = self._clock()
+                self._update_report()
+        self._update_report()
+
+    def step(self, timeout: float) -> None:
+        """Take one message, or a tick if none comes for ``timeout`` [s]."""
+        item = self.inbox.get(timeout)
+        if item is None:
+            arrived = self._newest = self._clock()
+            tick = (
+                self._sender.tick(arrived) if self._sender
+                else Observation(t=arrived - self._begin)
+            )  # fmt: skip
+            if tick is not None:
+                self._update(tick, arrived)
+            return
+        arrived, message, sender = item
+        # it may have come in the moment before a tick
+        arrived = self._newest = max(arrived, self._newest)
+        if isinstance(message, Control):
+            self.inbox.count(message.word)
+            getattr(self._estimator, message.word)(message.hand)
+            return
+        self._update(self._stamped(message, arrived, sender), arrived)
+
+    def _stamped(self, message: Observation, arrived: float, sender: object) -> Observation:
+        if self._sender is not None:
+            return self._sender.stamp(message, arrived)
+        if sender not in self._stamps and len(self._stamps) >= MOST_SENDERS:
+            self._stamps.pop(next(iter(self._stamps)))
+        stamp = self._stamps.setdefault(sender, ArrivalStamp())
+        return stamp.stamp(message, arrived - self._begin)
+
+    def _update(self, message: Observation, arrived: float) -> None:
+        try:
+            intentions = self._estimator.update(message)
+        except ObservationError:
+            self.inbox.count("refused")
+            return
+        for intention in intentions:
+            envelope = self.numbering.take(intention, arrived)
+            for output in self.outputs:
+                output.send(envelope)
+            self._said += 1
+
+    def _update_report(self) -> None:
+        report = {
+            "session": self.numbering.session, "intentions": self._said,
+            "incoming": self.inbox.report(), "inputs": self._estimator.inputs(),
+            "outputs": {type(o).__name__: o.counts() for o in self.outputs},
+        }  # fmt: skip
+        with self._lock:
+            self._report = report
+
+    def status(self) -> dict[str, Any]:
+        """Return what was counted, as of the newest report; from any thread."""
+        with self._lock:
+            return dict(self._report)
+
+
+def close(outputs: Sequence[Output]) -> None:
+    """End every output."""
+    for output in outputs:
+        output.close()

@@ -1,0 +1,197 @@
+"""A WebSocket server: observations in, intentions out, to any number of clients of any speed."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import http
+import json
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from igrip.errors import IgripError, MissingExtraError, ObservationError
+from igrip.outputs.wire import Envelope
+from igrip.service.access import Access
+from igrip.service.incoming import LARGEST, Control, decode
+from igrip.observation import Observation
+
+try:
+    from websockets.asyncio.server import ServerConnection, serve
+    from websockets.exceptions import ConnectionClosed
+    from websockets.http11 import Request, Response
+except ImportError:  # pragma: no cover - the extra is there where this is tested
+    raise MissingExtraError("websockets", "outputs") from None
+
+MOST_CLIENTS = 32
+BEHIND = 64  # intentions that may wait for one client
+ERROR_EVERY = 1.0  # s between two answers to one sender of what cannot be read
+TRY_LATER = 1013  # RFC 6455 registry: try again later
+
+Take = Callable[[Observation | Control, object], None]
+
+
+class WebSocketServer:
+    """Serves ``/observations`` (in), ``/intentions`` (out) and ``/status`` (HTTP) in its own thread.
+
+    Parameters
+    ----------
+    host, port
+        Where to listen; port 0: any that is free.
+    access : Access
+        Who may connect.
+    take : function
+        Called with each observation or word that came in, and a key of its sender.
+    count : function
+        Called with what befell a message that was not taken.
+    status : function
+        Returns what ``/status`` tells.
+
+    Raises
+    ------
+    IgripError
+        If the address cannot be listened on.
+    """
+
+    def __init__(
+        self, host: str, port: int, access: Access, take: Take, count: Callable[[str], None],
+        status: Callable[[], dict[str, Any]],
+    ) -> None:  # fmt: skip
+        self._access, self._take, self._count, self._status = access, take, count, status
+        self._clients: dict[ServerConnection, asyncio.Queue[Envelope]] = {}
+        self._connections = 0
+        self._sent: Counter[str] = Counter()
+        self._loop = asyncio.new_event_loop()
+        self._stop = asyncio.Event()
+        self._ready: threading.Event = threading.Event()
+        self._error: OSError | None = None
+        self.port = port
+        self._thread = threading.Thread(
+            target=self._run, args=(host, port), name="igrip-websocket", daemon=True
+        )
+        self._thread.start()
+        self._ready.wait()
+        if self._error is not None:
+            raise IgripError(f"cannot listen on {host}:{port}: {self._error.strerror}")
+
+    def send(self, envelope: Envelope) -> None:
+        """Hand an intention to every client; never waits."""
+        with contextlib.suppress(RuntimeError):  # the loop has ended: nobody is there
+            self._loop.call_soon_threadsafe(self._spread, envelope)
+
+    def counts(self) -> dict[str, int]:
+        """Return how many messages were sent, and how many clients dropped."""
+        return dict(self._sent) | {"clients": len(self._clients)}
+
+    def close(self) -> None:
+        """Say goodbye to all clients and end the thread."""
+        with contextlib.suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(self._stop.set)
+        self._thread.join(timeout=5.0)
+
+    def _run(self, host: str, port: int) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._serve(host, port))
+        except OSError as error:
+            self._error = error
+        finally:
+            self._ready.set()
+            self._loop.close()
+
+    async def _serve(self, host: str, port: int) -> None:
+        async with serve(
+            self._connected, host, port, process_request=self._asked, max_size=LARGEST,
+            max_queue=16, compression=None, close_timeout=1.0, server_header=None, ping_timeout=60,
+        ) as server:  # fmt: skip
+            self.port = server.sockets[0].getsockname()[1]
+            self._ready.set()
+            await self._stop.wait()
+
+    def _asked(self, connection: ServerConnection, request: Request) -> Response | None:
+        refusal = self._access.refusal(request.path, request.headers)
+        if refusal is not None:
+            return connection.respond(http.HTTPStatus.FORBIDDEN, refusal + "\n")
+        path = urlsplit(request.path).path
+        if path == "/status":
+            answer = connection.respond(http.HTTPStatus.OK, json.dumps(self._status()) + "\n")
+            answer.headers["Content-Type"] = "application/json"
+            return answer
+        if path not in ("/observations", "/intentions"):
+            words = "there are /observations, /intentions and /status\n"
+            return connection.respond(http.HTTPStatus.NOT_FOUND, words)
+        if self._connections >= MOST_CLIENTS:
+            words = f"there are {MOST_CLIENTS} clients already\n"
+            return connection.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, words)
+        return None
+
+    async def _connected(self, connection: ServerConnection) -> None:
+        assert connection.request is not None
+        asked = urlsplit(connection.request.path)
+        self._connections += 1
+        try:
+            if asked.path == "/observations":
+                await self._receive(connection)
+            else:
+                packed = parse_qs(asked.query).get("format") == ["msgpack"]
+                await self._tell(connection, packed)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._connections -= 1
+
+    async def _receive(self, connection: ServerConnection) -> None:
+        """Take what a client sends; answer what cannot be read, but not too often."""
+        answered, unanswered = -ERROR_EVERY, 0
+        async for data in connection:
+            try:
+                self._take(decode(data), connection)
+            except ObservationError as error:
+                self._count("malformed")
+                unanswered += 1
+                if time.monotonic() - answered >= ERROR_EVERY:
+                    told = {"error": str(error), "field": error.field, "count": unanswered}
+                    answered, unanswered = time.monotonic(), 0
+                    await asyncio.wait_for(connection.send(json.dumps(told)), ERROR_EVERY)
+
+    async def _tell(self, connection: ServerConnection, packed: bool) -> None:
+        """Send intentions to one client, each as it is at that moment; take its words."""
+        waiting: asyncio.Queue[Envelope] = asyncio.Queue(BEHIND)
+        self._clients[connection] = waiting
+        listening = asyncio.ensure_future(self._receive(connection))
+        try:
+            while not listening.done():
+                getting = asyncio.ensure_future(waiting.get())
+                await asyncio.wait({getting, listening}, return_when=asyncio.FIRST_COMPLETED)
+                if not getting.done():
+                    getting.cancel()
+                    break
+                envelope = getting.result()
+                await connection.send(envelope.to_msgpack() if packed else envelope.to_json())
+                self._sent["sent"] += 1
+        finally:
+            self._clients.pop(connection, None)
+            listening.cancel()
+            with contextlib.suppress(asyncio.CancelledError, ConnectionClosed):
+                await listening
+
+    def _spread(self, envelope: Envelope) -> None:
+        for connection, waiting in list(self._clients.items()):
+            try:
+                waiting.put_nowait(envelope)
+            except asyncio.QueueFull:
+                self._sent["lost"] += waiting.qsize() + 1
+                self._sent["dropped_clients"] += 1
+                del self._clients[connection]
+                asyncio.ensure_future(self._drop(connection))
+
+    async def _drop(self, connection: ServerConnection) -> None:
+        """Tell a client that was too slow, and let it go, whether it listens or not."""
+        with contextlib.suppress(Exception):
+            await asyncio.wait_for(
+                connection.close(TRY_LATER, f"too slow: {BEHIND} intentions behind"), 2.0
+            )
+        connection.transport.abort()

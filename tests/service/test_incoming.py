@@ -1,0 +1,73 @@
+"""What producers send, taken apart, whatever it is."""
+
+from __future__ import annotations
+
+import json
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from igrip.errors import ObservationError
+from igrip.observation import Observation
+from igrip.service.incoming import LARGEST, Control, decode
+
+MESSAGE = {"t": 1.5, "hands": {"right": {"position": [0.1, 0.2, 0.3]}}}
+
+
+def test_json_as_text_and_bytes_and_messagepack_are_the_same():
+    packed = msgspec.msgpack.encode(MESSAGE)
+    text = json.dumps(MESSAGE)
+    assert decode(packed) == decode(text) == decode(text.encode()) == Observation(**MESSAGE)
+
+
+@pytest.mark.parametrize("word", ["veto", "confirm", "opened"])
+def test_words_about_a_lease(word):
+    assert decode(json.dumps({"control": word, "hand": "left"})) == Control(word, "left")
+
+
+@pytest.mark.parametrize(
+    ("data", "field"),
+    [
+        ('{"control": "close", "hand": "left"}', "control"),
+        ('{"control": "veto"}', "hand"),
+        ('{"t": NaN}', "t"),
+        ('{"t": 1, "hands": {"right": {"position": [0, 0]}}}', "hands.right.position"),
+        ("[" * 100_000, "message"),
+        (b"\x91" * 100_000, "message"),
+        ('{"t":1,"x":' * 20_000, "message"),
+        (b"\xff\xfe", "message"),
+        ("", "message"),
+        ("null", "message"),
+        (" " * (LARGEST + 1), "message"),
+    ],
+)
+def test_what_is_malformed_names_the_place(data, field):
+    with pytest.raises(ObservationError) as caught:
+        decode(data)
+    assert caught.value.field == field
+
+
+@given(st.one_of(st.binary(max_size=200), st.text(max_size=200)))
+def test_nothing_else_is_ever_raised(data):
+    try:
+        decode(data)
+    except ObservationError:
+        pass
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.text(max_size=8) | st.integers(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@given(st.fixed_dictionaries({}, optional={k: JSON for k in ("t", "hands", "objects", "control", "hand", "schema")}))
+def test_nor_by_messages_of_odd_parts(raw):
+    for data in (json.dumps(raw), msgspec.msgpack.encode(raw)):
+        try:
+            decode(data)
+        except ObservationError:
+            pass

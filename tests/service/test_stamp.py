@@ -1,0 +1,58 @@
+"""Times from other clocks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from igrip.observation import Observation
+from igrip.service.stamp import ArrivalStamp, SenderStamp
+
+
+def message(t, own=None):
+    hand = {"position": [0.0, 0.0, 0.0]} | ({} if own is None else {"t": own})
+    return Observation(t=t, hands={"right": hand, "left": None})
+
+
+def test_a_delay_that_varies_is_seen_as_age():
+    stamp = ArrivalStamp()
+    rng = np.random.default_rng(0)
+    extra = rng.exponential(0.02, 200)
+    extra[0] = 0.0
+    for k, late in enumerate(extra):
+        sent = 1e6 + k / 30.0  # another clock, and a way of 40 ms
+        seen = stamp.stamp(message(sent), 5.0 + k / 30.0 + 0.04 + late)
+        assert seen.t == pytest.approx(5.04 + k / 30.0 + late)
+        assert seen.t - seen.hands["right"].t == pytest.approx(late, abs=1e-6)
+        assert seen.hands["left"] is None
+
+
+def test_what_was_measured_before_it_was_sent_stays_so_much_older():
+    seen = ArrivalStamp().stamp(message(100.0, own=99.9), 7.0)
+    assert seen.hands["right"].t == pytest.approx(6.9)
+
+
+def test_a_clock_that_is_set_anew_heals_at_once():
+    stamp = ArrivalStamp()
+    for k in range(30):
+        stamp.stamp(message(50.0 + k / 30.0), 1.0 + k / 30.0)
+    seen = stamp.stamp(message(3.0), 2.0)
+    assert seen.hands["right"].t == pytest.approx(2.0)
+
+
+def test_a_clock_that_drifts_is_followed():
+    stamp = ArrivalStamp()
+    for k in range(3000):
+        now = k / 10.0
+        seen = stamp.stamp(message(100.0 + now * 0.999), 1.0 + now)
+    assert seen.t - seen.hands["right"].t < 0.02
+
+
+def test_the_senders_clock_never_goes_back():
+    stamp = SenderStamp()
+    assert stamp.tick(0.0) is None
+    assert stamp.stamp(message(10.0), 0.0).t == 10.0
+    assert stamp.tick(0.2).t == pytest.approx(10.2)
+    late = stamp.stamp(message(10.1), 0.25)
+    assert late.t == pytest.approx(10.2)
+    assert late.hands["right"].t == pytest.approx(10.1)

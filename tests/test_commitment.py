@@ -1,0 +1,185 @@
+"""The lease of one hand, step by step."""
+
+from __future__ import annotations
+
+import pytest
+
+from igrip.commitment import CommitmentConfig, Committer, Evidence
+
+SURE = {"cup": 0.95, "jug": 0.03}
+PLAIN = CommitmentConfig(reliability=0.5)
+
+
+def evidence(t, confidence=None, **changed):
+    """Return evidence for a hand that moves and is sure of the cup."""
+    confidence = SURE if confidence is None else confidence
+    best = max(confidence, key=confidence.get) if confidence else None
+    fields = {
+        "t": t, "measured": t, "position": (0.0, 0.0, 0.0), "trusted": True, "moving": True,
+        "target": best, "grip": "palmar", "confidence": confidence, "seen": set(confidence),
+        "gaps": {"cup": 0.3, "jug": 0.5},
+    }  # fmt: skip
+    return Evidence(**(fields | changed))
+
+
+def committed(committer, t=0.0):
+    """Bring a committer to its commitment; return the time of the newest message."""
+    for k in range(20):
+        t += 1.0 / 30.0
+        if committer.update(evidence(t)) is not None:
+            return t
+    raise AssertionError("it never committed")
+
+
+def holding(committer):
+    t = committed(committer) + 1.0 / 30.0
+    lease = committer.update(evidence(t, moving=False, gaps={"cup": 0.04, "jug": 0.4}))
+    assert committer.state == "holding"
+    assert lease is not None
+    return t
+
+
+def test_a_lease_is_earned_by_the_dwell_and_ends_after_the_newest_measurement():
+    committer = Committer(PLAIN)
+    times = [k / 100.0 for k in range(1, 40)]
+    leases = [committer.update(evidence(t, measured=t - 0.02)) for t in times]
+    first = next(k for k, lease in enumerate(leases) if lease)
+    assert times[first] - times[0] == pytest.approx(PLAIN.dwell, abs=0.011)
+    lease = leases[-1]
+    assert (lease.target, lease.grip, lease.since) == ("cup", "palmar", times[first])
+    assert lease.valid_until == pytest.approx(times[-1] - 0.02 + 0.15)
+
+
+def test_the_reactive_commits_at_once_and_the_reliable_asks_for_more():
+    reactive, reliable = (Committer(CommitmentConfig(reliability=r)) for r in (0.0, 1.0))
+    likely = {"cup": 0.6, "jug": 0.2}
+    assert reactive.update(evidence(0.1, likely)) is not None
+    for k in range(30):
+        assert reliable.update(evidence(0.1 + k / 30.0, SURE)) is None
+    surer = {"cup": 0.99, "jug": 0.0}
+    assert any(reliable.update(evidence(2.0 + k / 30.0, surer)) for k in range(10))
+
+
+def test_another_target_begins_its_dwell_anew():
+    committer = Committer(PLAIN)
+    assert committer.update(evidence(0.00)) is None
+    assert committer.update(evidence(0.08, {"cup": 0.02, "jug": 0.96})) is None
+    assert committer.update(evidence(0.12)) is None
+    assert (committer.state, committer.target) == ("earning", "cup")
+
+
+def test_hysteresis_keeps_what_is_somewhat_less_likely():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    kept = {"cup": PLAIN.threshold - PLAIN.hysteresis + 0.01, "jug": 0.2}
+    assert committer.update(evidence(t + 0.03, kept)).target == "cup"
+    less = {"cup": PLAIN.threshold - PLAIN.hysteresis - 0.01, "jug": 0.3}
+    assert committer.update(evidence(t + 0.06, less)) is None
+    assert committer.state == "open"
+
+
+def test_only_a_moving_hand_earns_a_lease():
+    committer = Committer(PLAIN)
+    for k in range(60):
+        assert committer.update(evidence(k / 30.0, moving=False)) is None
+
+
+def test_doubtful_input_pauses_and_a_short_pause_costs_no_dwell():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    assert committer.update(evidence(t + 0.05, trusted=False)) is None
+    assert committer.update(evidence(t + 0.25)) is not None
+    assert committer.update(evidence(t + 0.60)) is None  # now it is earned anew
+    assert committer.state == "earning"
+
+
+@pytest.mark.parametrize("late", [0.15, 0.4])
+def test_an_old_measurement_gives_no_lease(late):
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    assert committer.update(evidence(t + 0.1, measured=t + 0.1 - late)) is None
+
+
+def test_a_target_that_is_not_seen_pauses_the_lease():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    assert committer.update(evidence(t + 0.03, seen={"jug"})) is None
+    assert committer.state == "committed"
+    assert committer.update(evidence(t + 0.06)) is not None
+
+
+def test_a_hand_that_stops_at_its_target_holds_it_and_takes_no_other():
+    committer = Committer(PLAIN)
+    t = holding(committer)
+    other = {"cup": 0.01, "jug": 0.98}
+    for k in range(1, 30):
+        near = {"cup": 0.05, "jug": 0.02}
+        lease = committer.update(evidence(t + k / 30.0, other, gaps=near))
+        assert lease.target == "cup"
+    far = {"cup": 0.25, "jug": 0.02}
+    assert committer.update(evidence(t + 1.1, other, gaps=far)) is None
+    assert committer.state != "holding"
+
+
+def test_a_hand_that_stops_elsewhere_is_open_again():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    assert committer.update(evidence(t + 0.03, moving=False)) is None
+    assert committer.state == "open"
+
+
+def test_what_is_hidden_in_the_hand_is_not_taken_for_left():
+    committer = Committer(PLAIN)
+    t = holding(committer)
+    away = {"position": (0.3, 0.0, 0.0), "seen": set()}
+    assert committer.update(evidence(t + 0.1, gaps={"cup": 0.3}, **away)) is None
+    assert committer.state == "holding"
+    committer.update(evidence(t + 2.5, gaps={}, **away))  # it is given up, and the hand elsewhere
+    assert committer.state == "open"
+
+
+def test_a_long_pause_while_holding_ends_the_lease_for_good():
+    committer = Committer(PLAIN)
+    t = holding(committer)
+    near = {"cup": 0.04}
+    assert committer.update(evidence(t + 0.2, moving=False, gaps=near)) is not None
+    assert committer.update(evidence(t + 0.9, moving=False, gaps=near)) is None
+    assert committer.update(evidence(t + 1.0, moving=False, gaps=near)) is None
+    assert committer.state == "holding"
+
+
+def test_the_device_says_that_it_has_opened():
+    committer = Committer(PLAIN)
+    t = holding(committer)
+    committer.opened()
+    assert committer.state == "open"
+    assert committer.update(evidence(t + 0.03, moving=False, gaps={"cup": 0.04})) is None
+
+
+def test_a_veto_ends_it_until_the_hand_has_rested():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    committer.veto()
+    for k in range(1, 30):
+        assert committer.update(evidence(t + k / 30.0)) is None
+    committer.update(evidence(t + 1.1, moving=False))
+    assert committed(committer, t + 1.2)
+
+
+def test_a_confirmation_spares_the_dwell_and_can_be_asked_for():
+    committer = Committer(PLAIN)
+    committer.confirm()
+    assert committer.update(evidence(0.1)) is not None
+    asking = Committer(CommitmentConfig(needs_confirmation=True))
+    for k in range(30):
+        assert asking.update(evidence(k / 30.0)) is None
+    asking.confirm()
+    assert asking.update(evidence(1.03)) is not None
+
+
+def test_which_hands_are_assisted():
+    assert CommitmentConfig().assists("left")
+    config = CommitmentConfig(assisted=("right",))
+    assert config.assists("right")
+    assert not config.assists("left")
+    assert not CommitmentConfig(assisted=()).assists("left")
