@@ -24,7 +24,7 @@ def evidence(t, confidence=None, **changed):
 
 def committed(committer, t=0.0):
     """Bring a committer to its commitment; return the time of the newest message."""
-    for k in range(20):
+    for _ in range(20):
         t += 1.0 / 30.0
         if committer.update(evidence(t)) is not None:
             return t

@@ -33,7 +33,7 @@ from training.people import EACH, FOLDS, LEARNED_FROM, real_recordings, record
 from training.worlds import TRIALS, simulate_person
 
 SEED = 20260
-PERSONS = 640
+PERSONS = 720
 MEMORY = 0.02  # s; docs/estimators.md has the alternatives
 REAL = 2.0  # weight of all real moments, that of all simulated ones being 1
 SHOWN = 3  # every so manyth reach is demonstrated to the field's methods

@@ -79,7 +79,7 @@ def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator
     apart = min(protocol.separation, 0.5 * math.sqrt(room / count))  # or they find no place
     world = world.model_copy(update={"protocol": protocol.model_copy(update={"separation": apart})})
     camera_at = place_camera(world.camera, SIDES[int(random.integers(2))], random)
-    kind = str(random.choice(["reach"] * 12 + ["absent"] * 3 + ["none"] * 3))
+    kind = str(random.choice(["reach"] * 12 + ["absent"] * 3 + ["none"] * 6))
     if kind == "none":
         kind = KINDS[int(random.integers(len(KINDS)))]
         table = set_table(models, world.protocol, random)

@@ -10,6 +10,7 @@ class Lease:
         self.clock, self.session, self.seq, self.until = clock, None, 0, 0.0
 
     def take(self, message):
+        """Take a message as it came."""
         if message["session"] == self.session and message["seq"] <= self.seq:
             return  # late, or told twice
         self.session, self.seq = message["session"], message["seq"]
@@ -17,4 +18,5 @@ class Lease:
         self.until = self.clock() + min(message["valid_for"], 0.15) if granted else 0.0
 
     def permits(self):
+        """Say whether to act now."""
         return self.clock() < self.until

@@ -156,6 +156,11 @@ class Committer:
         """Take the user's word for the reach under way: no dwell."""
         self._confirmed = True
 
+    def doubt(self) -> None:
+        """Note a measurement that cannot be believed: what was being earned is earned anew."""
+        if self.state == "earning":
+            self._open()
+
     def opened(self) -> None:
         """Note that the device has opened: what was held is held no longer."""
         if self.state == "holding":
@@ -172,8 +177,7 @@ class Committer:
             self._vetoed = self._confirmed = False
         ends = seen.measured + config.lease
         if not seen.trusted or ends <= seen.t:
-            if self.state == "earning":
-                self._open()
+            self.doubt()
             return None
         if self.state in ("committed", "holding"):
             self._keep(seen)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from igrip.commitment import CommitmentConfig
 from igrip.cues import CueConfig
 from igrip.geometry.scene import RayConfig
 from igrip.grips import GripConfig
@@ -25,7 +26,7 @@ class Config(Settings):
     grips : str
         Name of the grip selector; ``contact`` is the paper's ``cylinder`` for targets estimators
         without a posterior.
-    motion, objects, rays, cues, grip, health, world
+    motion, objects, rays, cues, grip, commitment, health, world
         Configurations of the stages, see there.
 
     Examples
@@ -41,5 +42,6 @@ class Config(Settings):
     rays: RayConfig = Field(default=RayConfig())
     cues: CueConfig = Field(default=CueConfig())
     grip: GripConfig = Field(default=GripConfig())
+    commitment: CommitmentConfig = Field(default=CommitmentConfig())
     health: HealthConfig = Field(default=HealthConfig())
     world: WorldConfig = Field(default=WorldConfig())

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import msgspec
+
+from igrip.commitment import Committer, Evidence
 from igrip.config import Config
 from igrip.cues import CUES
 from igrip.geometry.scene import Geometry, Placed, Scene
 from igrip.grips import GRIPS, Grip
-from igrip.intention import Intention
+from igrip.intention import Intention, Status
 from igrip.motion.hand import HandTrack
+from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 from igrip.targets import TARGETS, Belief, TargetsEstimator
@@ -53,6 +57,8 @@ class Estimator:
         self._new_targets()  # what it needs from files must fail here, not in mid-stream
         self._grips = GRIPS.get(config.grips)(config.grip)
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
+        self._committers: dict[str, Committer] = {}
+        self._evidence: dict[str, Evidence] = {}
         self._latest: dict[str, Intention] = {}
 
     def update(self, observation: Observation) -> list[Intention]:
@@ -80,14 +86,36 @@ class Estimator:
         motions = [hand.motion for hand in ready if hand.motion is not None]
         trouble = self._world.trouble()
         intentions = {}
+        self._evidence.clear()
         for hand, motion, geometry in zip(
             ready, motions, self._scene.measure(motions, objects), strict=True
         ):
             cues = {cue.name: cue.score(motion, geometry, self.config.cues) for cue in self._cues}
             belief = self._targets_of(hand).update(motion, geometry, cues)
             grip = self._grips.select(belief, geometry, motion)
-            intentions[hand.id] = self._intention(hand, geometry, cues, belief, grip, trouble)
+            said = self._intention(hand, geometry, cues, belief, grip, trouble)
+            intentions[hand.id] = self._committed(hand, motion, geometry, belief, said)
         return self._complete(intentions, measured)
+
+    def veto(self, hand: str) -> None:
+        """End the lease of a hand; it gets none before it has rested."""
+        if hand in self._committers:
+            self._committers[hand].veto()
+
+    def confirm(self, hand: str) -> None:
+        """Take the user's word that the reach of a hand under way is meant: no dwell."""
+        if hand in self._committers:
+            self._committers[hand].confirm()
+
+    def opened(self, hand: str) -> None:
+        """Note that the device has opened: the hand holds nothing."""
+        if hand in self._committers:
+            self._committers[hand].opened()
+
+    @property
+    def evidence(self) -> dict[str, Evidence]:
+        """What commitment was decided on in the newest message, by hand (assisted or not)."""
+        return dict(self._evidence)
 
     @property
     def objects(self) -> list[Placed]:
@@ -163,6 +191,38 @@ class Estimator:
             scores=scores,
         )
 
+    def _committed(
+        self, hand: HandTrack, motion: Motion, geometry: Geometry, belief: Belief, said: Intention
+    ) -> Intention:
+        """Return the intention with its lease, if there is one."""
+        ids = [placed.id for placed in geometry.objects]
+        likely = belief.scores if belief.probability is None else belief.probability
+        evidence = self._evidence[hand.id] = Evidence(
+            t=self._world.t,
+            measured=motion.t,
+            position=tuple(motion.position.tolist()),
+            trusted=hand.trusted,
+            moving=motion.reach.moving,
+            target=said.target,
+            grip=said.grip,
+            confidence=dict(zip(ids, likely.tolist(), strict=False)),
+            seen=self._world.trusted(),
+            gaps=dict(zip(ids, geometry.vertex.tolist(), strict=True)),
+        )
+        if not self.config.commitment.assists(hand.id):
+            return said
+        committer = self._committers.get(hand.id)
+        if committer is None:
+            committer = self._committers[hand.id] = Committer(self.config.commitment)
+        lease = committer.update(evidence)
+        return msgspec.structs.replace(said, commitment=lease, status=self._status(hand))
+
+    def _status(self, hand: HandTrack) -> Status:
+        """Return what a hand does; one that holds does so whether it rests or moves."""
+        committer = self._committers.get(hand.id)
+        holds = committer is not None and committer.state == "holding"
+        return "holding" if holds and hand.status in ("idle", "reaching") else hand.status
+
     def _complete(
         self, answered: dict[str, Intention], measured: list[HandTrack]
     ) -> list[Intention]:
@@ -171,12 +231,15 @@ class Estimator:
         for id in self._latest.keys() - self._world.hands.keys():  # forgotten by the world
             del self._latest[id]
             self._targets.pop(id, None)
+            self._committers.pop(id, None)
         for id, hand in self._world.hands.items():
-            before = self._latest.get(id)
-            changed = before is None or hand.status != before.status
-            if id not in answered and (changed or hand in measured):
-                answered[id] = Intention(
-                    t=now, hand=id, status=hand.status, reason=hand.reason(now)
-                )
+            if id in answered:
+                continue
+            before, status = self._latest.get(id), self._status(hand)
+            changed = before is None or status != before.status
+            if hand in measured and id in self._committers:
+                self._committers[id].doubt()
+            if changed or hand in measured:
+                answered[id] = Intention(t=now, hand=id, status=status, reason=hand.reason(now))
         self._latest.update(answered)
         return [answered[id] for id in sorted(answered)]

@@ -108,6 +108,10 @@ class World:
                 self._placed[track.id] = Placed(track.id, track.model, pose[:3], *pose[3:])
         return [self._placed[track.id] for track in usable]
 
+    def trusted(self) -> set[str]:
+        """Return the objects that a device may act on: seen when last looked for, and believed."""
+        return {track.id for track in self.objects.values() if track.trusted}
+
     def trouble(self) -> str | None:
         """Say what is wrong with the input of objects, in words."""
         usable = any(track.reason is None for track in self.objects.values())

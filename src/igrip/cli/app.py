@@ -16,6 +16,7 @@ from igrip.cli import (
     replay,
     schema,
     simulate,
+    stream,
     view,
 )
 from igrip.cli.console import output
@@ -50,6 +51,7 @@ app.command("demo")(demo.demo)
 app.command("replay")(replay.replay)
 app.command("evaluate")(evaluate.evaluate)
 app.command("simulate")(simulate.simulate)
+app.command("stream")(stream.stream)
 app.command("view")(view.view)
 app.command("import")(importing.import_tables)
 app.command("bench")(bench.bench)

@@ -18,8 +18,10 @@ from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog, load_objects
+from igrip.observation import Observation
 from igrip.simulation.demo import DemoPerson, Moment, Task
-from igrip.simulation.tally import Tally
+from igrip.simulation.faults import KINDS, Fault, inject
+from igrip.simulation.tally import Events, Tally
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 from igrip.words import describe
@@ -40,6 +42,11 @@ def demo(
         float, typer.Option(help="Times real time; 0: as fast as it goes.", min=0.0)
     ] = 1.0,
     port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(help="What goes wrong: KIND@BEGIN+SECONDS or KIND:RATE[xSECONDS], such as "
+                     f"freeze@3+0.5 or jump:0.2x0.1; repeatable. Kinds: {', '.join(KINDS)}."),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the results as JSON at the end.")
     ] = False,
@@ -49,7 +56,10 @@ def demo(
     The scene is live in the terminal and, unless --headless, in the browser.
 
     Example: igrip demo --headless --duration 20 --seed 3
+
+    Example: igrip demo --fault lose@2+0.4 --fault jump:0.3
     """
+    faults = [Fault.parse(text) for text in fault or []]
     config = Config(targets=targets) if targets else Config()
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects("ycb")
@@ -60,8 +70,9 @@ def demo(
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
     tally = Tally()
     try:
-        moments = _paced(_until(person, duration, endless), speed)
-        _run(moments, _estimators(catalog, wanted), viewer, tally, quiet=as_json)
+        moments = _paced(_with(faults, _until(person, duration, endless), seed), speed)
+        events = Events() if faults and not as_json else None
+        _run(moments, _estimators(catalog, wanted), viewer, tally, as_json, events)
     except KeyboardInterrupt:
         errors.print("stopped")
     finally:
@@ -111,6 +122,22 @@ def _until(person: DemoPerson, duration: float | None, endless: bool) -> Iterato
         yield moment
 
 
+def _with(faults: list[Fault], moments: Iterator[Moment], seed: int) -> Iterator[Moment]:
+    """Let things go wrong, if any are to."""
+    if not faults:
+        yield from moments
+        return
+    tasks: list[Task] = []
+
+    def source() -> Iterator[Observation]:
+        for moment in moments:
+            tasks[:] = [moment.task]
+            yield moment.observation
+
+    for observation in inject(source(), faults, seed):
+        yield Moment(observation, tasks[0])
+
+
 def _over(moment: Moment, duration: float) -> bool:
     return moment.observation.t >= duration
 
@@ -131,6 +158,7 @@ def _run(
     viewer: Viewer | None,
     tally: Tally,
     quiet: bool,
+    events: Events | None,
 ) -> None:
     live = Live(console=output, refresh_per_second=15, transient=True)
     on_screen = output.is_terminal and not quiet
@@ -145,6 +173,8 @@ def _run(
                     viewer.note("Task", _task_words(task))
             intentions = estimator.update(moment.observation)
             line = tally.take(moment, intentions)
+            for event in events.take(intentions) if events else ():
+                output.print(event, soft_wrap=True)
             if viewer is not None:
                 viewer.show(take_snapshot(estimator))
             if on_screen:
@@ -162,7 +192,7 @@ def _task_words(task: Task) -> str:
 
 def _screen(moment: Moment, intentions: list[Intention], tally: Tally) -> Table:
     table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_task_words(moment.task)}")
-    for column in ("hand", "status", "target", "grip", "score", "contact in"):
+    for column in ("hand", "status", "target", "grip", "score", "contact in", "may act on"):
         table.add_column(column, min_width=9)
     for intention in intentions:
         own = intention.hand == moment.task.hand and intention.status == "reaching"
@@ -175,6 +205,7 @@ def _screen(moment: Moment, intentions: list[Intention], tally: Tally) -> Table:
             intention.grip or "-",
             "-" if intention.confidence is None else f"{intention.confidence:.2f}",
             "-" if intention.time_to_contact is None else f"{intention.time_to_contact:.2f} s",
+            intention.commitment.target if intention.commitment else "-",
         )
     own_words = [describe(i) for i in intentions if i.hand == moment.task.hand]
     table.caption = "\n".join([*own_words, tally.words()])

@@ -13,6 +13,7 @@ from typing import Any
 from igrip.config import Config
 from igrip.errors import IgripError, RecordingError
 from igrip.estimator import Estimator
+from igrip.evaluation.commitments import Curve, judge_commitments
 from igrip.evaluation.judging import NO_REACH, Seen, coverage, describe_trial, judge
 from igrip.evaluation.processes import in_processes
 from igrip.geometry.scene import Placed
@@ -41,6 +42,7 @@ def evaluate_trial(
         return [base | {"targets": c.targets, "problem": trial.problem} for c in configs]
     estimators = [Estimator(catalog, config) for config in configs]
     said: list[list[Intention]] = [[] for _ in configs]
+    curves = [Curve(config.commitment) for config in configs]
     seen = Seen(trial.hand, trial.target)
     layout: list[Placed] = []  # of the objects when the movement began
     problem: str | None = None
@@ -49,8 +51,9 @@ def evaluate_trial(
         reader = JsonlReader(dataset.recording(trial))
         for observation in reader:
             seen.take(observation)
-            for estimator, intentions in zip(estimators, said, strict=True):
+            for estimator, intentions, curve in zip(estimators, said, curves, strict=True):
                 intentions += estimator.update(observation)
+                curve.take(estimator.evidence)
             if trial.onset_s is None or observation.t <= trial.onset_s or not layout:
                 layout = estimators[0].objects
         cut = reader.cut
@@ -66,10 +69,13 @@ def evaluate_trial(
     remarks = [*sorted(unknown), *_remarks(trial, seen, bounds), *([cut] if cut else [])]
     last = seen.times[-1] if seen.times else -math.inf
     rows = []
-    for config, intentions in zip(configs, said, strict=True):
+    for config, intentions, curve in zip(configs, said, curves, strict=True):
         row = base | facts | {"targets": config.targets, "problem": problem}
         row["remark"] = "; ".join(remarks) or None
-        rows.append(row if problem else row | judge(trial, bounds, intentions, last))
+        if not problem:
+            row |= judge(trial, bounds, intentions, last)
+            row |= judge_commitments(curve, trial.hand, trial.target, bounds)
+        rows.append(row)
     return rows
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from igrip.evaluation import commitments
 from igrip.evaluation.calibration import BINS, interval_over_groups
 from igrip.evaluation.judging import FRACTIONS, NO_REACH
 
@@ -96,6 +97,7 @@ def _estimator(rows: pd.DataFrame) -> dict[str, Any]:
         "participants": _over_participants(valid),
         "no_reach": _no_reach(none),
         "calibration": _calibration(reaches),
+        "commitment": _commitment(reaches, none),
     }
 
 
@@ -184,6 +186,14 @@ def _no_reach(rows: pd.DataFrame) -> dict[str, Any]:
             rows["none_most_probable"].sum(), rows["with_probability"].sum()
         )
     return told
+
+
+def _commitment(reaches: pd.DataFrame, none: pd.DataFrame) -> dict[str, Any]:
+    """Return the curve over all reaches, over the valid ones, and over each group of them."""
+    valid = reaches[reaches["valid"] == True]  # noqa: E712
+    told = {"all": commitments.sum_up(reaches, none), "valid": commitments.sum_up(valid, none)}
+    groups = reaches[reaches["group"].notna()].groupby("group", sort=True)
+    return told | {f"group {g}": commitments.sum_up(rows, none) for g, rows in groups}
 
 
 def _calibration(rows: pd.DataFrame) -> dict[str, Any] | None:

@@ -75,6 +75,11 @@ class HandTrack:
         return self.gate.remark()
 
     @property
+    def trusted(self) -> bool:
+        """Whether a device may act on it: it is measured, and nothing is odd about that."""
+        return self.status in ("idle", "reaching") and self.gate.remark() is None
+
+    @property
     def is_late(self) -> bool:
         """Whether it has not been measured for too long."""
         return self._late

@@ -47,7 +47,7 @@ class ReachConfig(Settings):
         4.0, "1", "and at least so many standard deviations of a measurement", "guess", ge=0
     )
     noise: float = quantity(
-        0.002, "m", "standard deviation of a measurement, each axis, before any is known",
+        0.003, "m", "standard deviation of a measurement, each axis, before any is known",
         "guess: hand trackers, 1-5 mm", gt=0,
     )  # fmt: skip
     leave_sway: float = quantity(
@@ -61,7 +61,7 @@ class ReachConfig(Settings):
     calm: float = quantity(
         0.10, "s", "memory of the velocity by which the end is told", "guess", gt=0
     )
-    rest_speed: float = quantity(0.03, "m/s", "below it a hand rests", "guess", gt=0)
+    rest_speed: float = quantity(0.04, "m/s", "below it a hand rests", "guess", gt=0)
     rest_fraction: float = quantity(
         0.10, "1", "below this part of the peak speed it rests", "SPEC §7", ge=0, lt=1
     )
@@ -104,12 +104,14 @@ def _leaves(state, fit, now, parameters):
         state[ONSET] = t
     state[RESTED] += 1.0
     passed = t - state[TIME]
-    weight = max(1.0 / (state[RESTED] + noise.WORTH), 1.0 - math.exp(-passed / (2.0 * memory)))
-    state[SPREAD] += weight * (min(far2, least * least) / 3.0 - state[SPREAD])
-    weight = max(1.0 / state[RESTED], 1.0 - math.exp(-passed / memory))
+    place, spread = 1.0 - math.exp(-passed / memory), 1.0 - math.exp(-passed / (2.0 * memory))
+    place = max(place, 1.0 / state[RESTED])
+    if not stirs:  # a movement that begins is no sway
+        spread = max(spread, 1.0 / (state[RESTED] + noise.WORTH))
+    state[SPREAD] += spread * (min(far2, least * least) / 3.0 - state[SPREAD])
     for axis in range(3):
         newest = fit[kinematics.NEWEST + axis]
-        state[START + axis] += weight * (newest - state[START + axis])
+        state[START + axis] += place * (newest - state[START + axis])
     return 1 if stirs else 0
 
 

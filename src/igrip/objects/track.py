@@ -51,7 +51,7 @@ class ObjectTrack:
         self._limit = health.object_limit
         self._static = False
         self._refusal: str | None = None
-        self._late = False
+        self._late = self._missed = False
         self._static_until = -math.inf
         self.model: ObjectModel | None = None
         self._no_model: str | None = None
@@ -80,6 +80,15 @@ class ObjectTrack:
         return self._no_model or self._refusal
 
     @property
+    def trusted(self) -> bool:
+        """Whether it was seen when last looked for, and nothing speaks against what was seen."""
+        return not self._missed and self.reason is None and self.fault is None and not self._stepped
+
+    @property
+    def _stepped(self) -> bool:
+        return self.gate.offset != 0.0
+
+    @property
     def is_late(self) -> bool:
         """Whether it has not been measured for too long, and is not static."""
         return self._late
@@ -90,7 +99,7 @@ class ObjectTrack:
         verdict = self.gate.judge(now, t, pose.position)
         if verdict.action == "ignore":
             return
-        self._refusal = verdict.reason
+        self._refusal, self._missed = verdict.reason, False
         if verdict.action == "refuse":
             return
         if verdict.action == "restart":
@@ -102,6 +111,7 @@ class ObjectTrack:
     def miss(self, now: float) -> None:
         """Note that the object was looked for and not seen: a static one begins to age."""
         self.gate.counts["missed"] += 1
+        self._missed = True
         if self._static:
             self._static, self._static_until = False, now
 

@@ -18,7 +18,7 @@ from igrip.version import __version__
 try:
     import pylsl
 except (ImportError, RuntimeError):  # pylsl raises RuntimeError where liblsl is missing
-    raise MissingExtraError("pylsl", "outputs") from None
+    raise MissingExtraError("pylsl", "outputs", "Lab Streaming Layer") from None
 
 HANDS = ("left", "right")
 CHANNELS = (

@@ -1,4 +1,4 @@
-"""Between the edges and the estimator: a bounded queue, newest first to stay, all losses counted."""
+"""Between the edges and the estimator: a bounded queue; the newest stay, all losses are counted."""
 
 from __future__ import annotations
 

@@ -49,7 +49,9 @@ class Service:
         self._report: dict[str, Any] = {}
         self._lock = threading.Lock()
 
-    def take(self, message: Observation | Control, sender: object = None, wait: bool = False) -> None:
+    def take(
+        self, message: Observation | Control, sender: object = None, wait: bool = False
+    ) -> None:
         """Put what came into the inbox, with the time it came at."""
         self.inbox.put((self._clock(), message, sender), wait)
 
@@ -68,12 +70,8 @@ class Service:
         item = self.inbox.get(timeout)
         if item is None:
             arrived = self._newest = self._clock()
-            tick = (
-                self._sender.tick(arrived) if self._sender
-                else Observation(t=arrived - self._begin)
-            )  # fmt: skip
-            if tick is not None:
-                self._update(tick, arrived)
+            if self._sender is None:
+                self._update(Observation(t=arrived - self._begin), arrived)
             return
         arrived, message, sender = item
         # it may have come in the moment before a tick

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from typing import Any
 
@@ -30,9 +29,7 @@ class ArrivalStamp:
         delay = now - message.t
         if self._delays and abs(delay - self._delays[-1][1]) > STEP:
             self._delays.clear()
-        while self._delays and (
-            now - self._delays[0][0] > WINDOW or len(self._delays) > 4096
-        ):
+        while self._delays and (now - self._delays[0][0] > WINDOW or len(self._delays) > 4096):
             self._delays.popleft()
         # rising from left to right: the first is the least of the window
         while self._delays and self._delays[-1][1] >= delay:
@@ -43,27 +40,20 @@ class ArrivalStamp:
 
 
 class SenderStamp:
-    """Keeps the times of the sender, whose clock is then the clock; they never decrease."""
+    """Keeps the times of the sender, whose clock is then the clock; they never decrease.
+
+    In silence no time passes: a sender that can fall silent sends ticks, as live sources do.
+    """
 
     def __init__(self) -> None:
         self._newest = 0.0
-        self._arrived = math.nan
 
     def stamp(self, message: Observation, now: float) -> Observation:
-        """Return a message as it arrived at ``now`` [s]; late ones keep their time as measured."""
-        self._arrived = now
+        """Return a message as its sender dated it; a late one keeps its time as that measured."""
         if message.t >= self._newest:
             self._newest = message.t
             return message
         return restamped(message, self._newest, 0.0)
-
-    def tick(self, now: float) -> Observation | None:
-        """Return a tick at ``now`` [s] on the sender's clock; None before its first message."""
-        if math.isnan(self._arrived):
-            return None
-        self._newest += now - self._arrived
-        self._arrived = now
-        return Observation(t=self._newest)
 
 
 def restamped(message: Observation, t: float, offset: float) -> Observation:

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import http
 import json
+import logging
 import threading
 import time
 from collections import Counter
@@ -14,28 +15,33 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from igrip.errors import IgripError, MissingExtraError, ObservationError
+from igrip.observation import Observation
 from igrip.outputs.wire import Envelope
 from igrip.service.access import Access
 from igrip.service.incoming import LARGEST, Control, decode
-from igrip.observation import Observation
 
 try:
     from websockets.asyncio.server import ServerConnection, serve
     from websockets.exceptions import ConnectionClosed
     from websockets.http11 import Request, Response
 except ImportError:  # pragma: no cover - the extra is there where this is tested
-    raise MissingExtraError("websockets", "outputs") from None
+    raise MissingExtraError("websockets", "outputs", "the WebSocket server") from None
 
 MOST_CLIENTS = 32
 BEHIND = 64  # intentions that may wait for one client
 ERROR_EVERY = 1.0  # s between two answers to one sender of what cannot be read
 TRY_LATER = 1013  # RFC 6455 registry: try again later
 
+# whoever knocks and goes away would fill the terminal: these are no errors of ours
+log = logging.getLogger("igrip.websocket")
+log.addHandler(logging.NullHandler())
+log.propagate = False
+
 Take = Callable[[Observation | Control, object], None]
 
 
 class WebSocketServer:
-    """Serves ``/observations`` (in), ``/intentions`` (out) and ``/status`` (HTTP) in its own thread.
+    """``/observations`` (in), ``/intentions`` (out) and ``/status`` (HTTP), in a thread of its own.
 
     Parameters
     ----------
@@ -49,6 +55,8 @@ class WebSocketServer:
         Called with what befell a message that was not taken.
     status : function
         Returns what ``/status`` tells.
+    takes, tells : bool
+        Whether observations may come in, and intentions go out.
 
     Raises
     ------
@@ -58,11 +66,13 @@ class WebSocketServer:
 
     def __init__(
         self, host: str, port: int, access: Access, take: Take, count: Callable[[str], None],
-        status: Callable[[], dict[str, Any]],
+        status: Callable[[], dict[str, Any]], takes: bool = True, tells: bool = True,
     ) -> None:  # fmt: skip
         self._access, self._take, self._count, self._status = access, take, count, status
+        self._paths = ["/observations"] * takes + ["/intentions"] * tells
         self._clients: dict[ServerConnection, asyncio.Queue[Envelope]] = {}
         self._connections = 0
+        self._dropping: set[asyncio.Future[None]] = set()
         self._sent: Counter[str] = Counter()
         self._loop = asyncio.new_event_loop()
         self._stop = asyncio.Event()
@@ -106,6 +116,7 @@ class WebSocketServer:
         async with serve(
             self._connected, host, port, process_request=self._asked, max_size=LARGEST,
             max_queue=16, compression=None, close_timeout=1.0, server_header=None, ping_timeout=60,
+            logger=log,
         ) as server:  # fmt: skip
             self.port = server.sockets[0].getsockname()[1]
             self._ready.set()
@@ -120,8 +131,8 @@ class WebSocketServer:
             answer = connection.respond(http.HTTPStatus.OK, json.dumps(self._status()) + "\n")
             answer.headers["Content-Type"] = "application/json"
             return answer
-        if path not in ("/observations", "/intentions"):
-            words = "there are /observations, /intentions and /status\n"
+        if path not in self._paths:
+            words = f"there are {', '.join(self._paths)} and /status\n"
             return connection.respond(http.HTTPStatus.NOT_FOUND, words)
         if self._connections >= MOST_CLIENTS:
             words = f"there are {MOST_CLIENTS} clients already\n"
@@ -170,7 +181,10 @@ class WebSocketServer:
                     getting.cancel()
                     break
                 envelope = getting.result()
-                await connection.send(envelope.to_msgpack() if packed else envelope.to_json())
+                # text frames for JSON: a browser makes a blob of the others
+                await connection.send(
+                    envelope.to_msgpack() if packed else envelope.to_json().decode()
+                )
                 self._sent["sent"] += 1
         finally:
             self._clients.pop(connection, None)
@@ -186,7 +200,9 @@ class WebSocketServer:
                 self._sent["lost"] += waiting.qsize() + 1
                 self._sent["dropped_clients"] += 1
                 del self._clients[connection]
-                asyncio.ensure_future(self._drop(connection))
+                dropping = asyncio.ensure_future(self._drop(connection))
+                self._dropping.add(dropping)
+                dropping.add_done_callback(self._dropping.discard)
 
     async def _drop(self, connection: ServerConnection) -> None:
         """Tell a client that was too slow, and let it go, whether it listens or not."""

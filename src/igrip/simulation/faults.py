@@ -7,7 +7,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import msgspec
@@ -18,7 +18,9 @@ from igrip.errors import IgripError
 from igrip.observation import Observation
 
 TICK = 0.05  # s between ticks where messages fail to come, as a live source sends them
-SPEC = re.compile(r"(?P<kind>[a-z]+)(?:@(?P<at>[\d.]+)\+(?P<lasts>[\d.]+)|:(?P<rate>[\d.]+)(?:x(?P<each>[\d.]+))?)")
+SPEC = re.compile(
+    r"(?P<kind>[a-z]+)(?:@(?P<at>[\d.]+)\+(?P<lasts>[\d.]+)|:(?P<rate>[\d.]+)(?:x(?P<each>[\d.]+))?)"
+)
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,9 @@ def _lose(message: Observation, memory: Memory) -> Observation:
 @_kind("vanish")
 def _vanish(message: Observation, memory: Memory) -> Observation:
     """Objects are looked for and not seen."""
-    return Observation(t=message.t, hands=dict(message.hands), objects=dict.fromkeys(message.objects))
+    return Observation(
+        t=message.t, hands=dict(message.hands), objects=dict.fromkeys(message.objects)
+    )
 
 
 @_kind("wrong")
@@ -176,7 +180,7 @@ def _wrong(message: Observation, memory: Memory) -> Observation:
 
 @_kind("step")
 def _step(message: Observation, memory: Memory) -> Observation:
-    """The sensors' clock is another, by up to two seconds."""
+    """Set the sensors' clock anew, by up to two seconds."""
     return _all(message, memory.once("step", lambda: float(memory.random.uniform(-2.0, 2.0))))
 
 
@@ -210,9 +214,7 @@ def _reorder(message: Observation, memory: Memory) -> Observation:
     return _all(message, 0.0)
 
 
-LATE["delay"] = lambda memory: float(
-    memory.once("delay", lambda: memory.random.uniform(0.05, 0.6))
-)
+LATE["delay"] = lambda memory: float(memory.once("delay", lambda: memory.random.uniform(0.05, 0.6)))
 LATE["reorder"] = lambda memory: float(memory.random.uniform(0.0, 0.15))
 
 
@@ -276,7 +278,9 @@ def inject(
 
 def _begins(fault: Fault, t: float, last: float, random: np.random.Generator) -> bool:
     if not math.isnan(fault.at):
-        return last < fault.at <= t or (last == -math.inf and fault.at <= t <= fault.at + fault.lasts)
+        return last < fault.at <= t or (
+            last == -math.inf and fault.at <= t <= fault.at + fault.lasts
+        )
     passed = t - last if math.isfinite(last) else 0.0
     return bool(random.random() < -math.expm1(-fault.rate * passed))
 
@@ -288,4 +292,4 @@ def _arriving(message: Observation, t: float) -> Observation:
 
 def every_kind(rate: float, lasts: float = 0.3) -> list[Fault]:
     """Return faults of every kind at random, ``rate`` a second in all."""
-    return [replace(Fault(kind), rate=rate / len(KINDS), lasts=lasts) for kind in KINDS]
+    return [Fault(kind, lasts=lasts, rate=rate / len(KINDS)) for kind in KINDS]

@@ -6,6 +6,30 @@ from typing import Any
 
 from igrip.intention import Intention
 from igrip.simulation.demo import Moment, Task
+from igrip.words import describe
+
+
+class Events:
+    """Says when a hand's status or its lease changes, and why."""
+
+    def __init__(self) -> None:
+        self._before: dict[str, tuple[str, str | None]] = {}
+
+    def take(self, intentions: list[Intention]) -> list[str]:
+        """Return a line for each change."""
+        lines = []
+        for intention in intentions:
+            lease = intention.commitment.target if intention.commitment else None
+            now = (intention.status, lease)
+            before = self._before.get(intention.hand)
+            self._before[intention.hand] = now
+            if before in (None, now):
+                continue
+            words = "" if lease is None else f"; a device may act on {lease}"
+            if lease is None and before is not None and before[1] is not None:
+                words = f"; the lease on {before[1]} ends"
+            lines.append(f"  {intention.t:7.2f} s  {describe(intention)}{words}")
+        return lines
 
 
 class Tally:

@@ -1,0 +1,108 @@
+"""Leases under faults, watched from outside the process: ``igrip stream`` on a virtual clock."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+from collections import Counter
+
+import pytest
+
+import igrip
+from igrip.simulation.demo import DemoPerson
+from igrip.simulation.faults import KINDS, Fault, every_kind, inject
+from observer import BELIEVED, Observer
+
+
+def person(ycb, seconds, seed=0):
+    """Yield the demo's messages for so long."""
+    moments = (moment.observation for moment in DemoPerson(ycb, seed))
+    return itertools.takewhile(lambda message: message.t < seconds, moments)
+
+
+def watched(messages, *options):
+    """Feed messages to the service in its own process; return the observer and all it said."""
+    messages = list(messages)
+    done = subprocess.run(
+        [sys.executable, "-m", "igrip", "stream", "--in", "stdin", "--out", "stdout", *options],
+        input=b"".join(message.to_json() + b"\n" for message in messages),
+        capture_output=True, check=True,
+    )  # fmt: skip
+    said = [json.loads(line) for line in done.stdout.splitlines()]
+    observer, answers = Observer(), iter(said)
+    waiting = next(answers, None)
+    for message in messages:
+        observer.sent(json.loads(message.to_json()))
+        while waiting is not None and waiting["t"] <= message.t:
+            assert waiting["t"] == message.t
+            observer.said(waiting)
+            waiting = next(answers, None)
+    assert waiting is None
+    assert [i["seq"] for i in said] == list(range(1, len(said) + 1))
+    return observer, said, done.stderr.decode()
+
+
+def faulty(ycb, seconds, rate, seed):
+    counts = Counter()
+    faults = [*every_kind(rate), Fault("freeze", rate=0.05, lasts=1.2)]
+    messages = list(inject(person(ycb, seconds, seed), faults, seed, counts))
+    return messages, counts
+
+
+def test_no_lease_breaks_a_promise_under_faults_of_every_kind(ycb):
+    messages, counts = faulty(ycb, seconds=240.0, rate=8.0, seed=1)
+    assert set(counts) == set(KINDS)
+    assert sum(counts.values()) > 1000
+    observer, *_ = watched(messages, "--reliability", "0")
+    assert observer.violations == []
+    assert observer.commitments > 100  # it was not simply silent
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_a_hundred_thousand_faults(ycb):
+    total, commitments = 0, 0
+    for seed in range(20):
+        messages, counts = faulty(ycb, seconds=600.0, rate=14.0, seed=100 + seed)
+        observer, *_ = watched(messages, "--reliability", "0")
+        assert observer.violations == []
+        total += sum(counts.values())
+        commitments += observer.commitments
+    print(f"{total} faults, {commitments} leases, no violation")
+    assert total >= 100_000
+    assert commitments > 10_000
+
+
+@pytest.mark.parametrize("kind", sorted(KINDS))
+@pytest.mark.parametrize("lasts", [0.2, 1.0])
+def test_the_stream_recovers_within_half_a_second(ycb, kind, lasts):
+    fault = Fault(kind, at=5.0, lasts=lasts)
+    estimator = igrip.Estimator(ycb, igrip.Config(targets="paper"))
+    ends = 5.0 + lasts
+    back = {}
+    for message in inject(person(ycb, ends + 1.5), [fault], seed=4):
+        for intention in estimator.update(message):
+            if message.t > ends and intention.status in BELIEVED:
+                back.setdefault(intention.hand, message.t - ends)
+    assert set(back) == {"left", "right"}
+    assert max(back.values()) <= 0.5
+
+
+def test_what_is_malformed_is_counted_and_the_rest_goes_on(ycb):
+    lines = [message.to_json() for message in person(ycb, 3.0)]
+    lines[10:10] = [b"{", b'{"t": "now"}', b"[" * 5000, b" " * 400_000, b"\xff"]
+    done = subprocess.run(
+        [sys.executable, "-m", "igrip", "stream", "--in", "stdin", "--out", "stdout"],
+        input=b"\n".join(lines), capture_output=True, check=True,
+    )  # fmt: skip
+    assert b"4 malformed" in done.stderr
+    assert len(done.stdout.splitlines()) == 2 * 90
+
+
+def test_an_unassisted_hand_never_gets_a_lease(ycb):
+    observer, said, _ = watched(person(ycb, 40.0), "--assisted", "right")
+    assert observer.violations == []
+    assert any(i["commitment"] for i in said if i["hand"] == "right")
+    assert not any(i["commitment"] for i in said if i["hand"] == "left")
