@@ -36,9 +36,9 @@ schemas: $(READY)  ## write the message schemas into docs/schemas
 	$(BIN)/igrip schema observation > docs/schemas/observation.json
 	$(BIN)/igrip schema intention > docs/schemas/intention.json
 
-system:  ## what the browser tests want from Debian (as root)
+system:  ## what the tests of browsers and of C want from Debian (as root)
 	apt-get update -qq
-	apt-get install -y -qq --no-install-recommends chromium
+	apt-get install -y -qq --no-install-recommends chromium gcc libc6-dev
 
 clean:  ## forget the environment
 	rm -rf .venv
@@ -46,7 +46,7 @@ clean:  ## forget the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training,outputs]'
 	touch $@
 
 pictures: $(READY)  ## make the pictures of the documentation (after make system)

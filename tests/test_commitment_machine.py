@@ -89,10 +89,20 @@ class Leases(RuleBasedStateMachine):
     def observe(self, times, objects):
         self.send(objects=objects, times=times)
 
-    @rule(hand=st.sampled_from(HANDS), goal=st.sampled_from([None, *PLACES]))
+    @rule(hand=st.sampled_from(HANDS), goal=st.sampled_from([*PLACES, None]))
     def aim(self, hand, goal):
         self.goal[hand] = goal
-        self.send(objects=True, times=8)
+        self.send(objects=True, times=12)
+
+    @rule(hand=st.sampled_from(HANDS), goal=st.sampled_from(list(PLACES)))
+    def reach_in_peace(self, hand, goal):
+        self.clock, self.swapped, self.frozen = 0.0, False, False
+        self.vanished.clear()
+        self.goal = dict.fromkeys(HANDS)
+        self.at = {"left": [-0.2, 0.0, 0.0], "right": [0.0, 0.0, 0.0]}
+        self.send(objects=True, times=24)  # seen to be there, and at rest
+        self.goal[hand] = goal
+        self.send(objects=True, times=10)
 
     @rule(times=st.integers(1, 8))
     def tick(self, times):
@@ -156,7 +166,7 @@ def test_no_order_of_events_breaks_a_promise(shapes):
     run_state_machine_as_test(
         Leases,
         settings=settings(
-            max_examples=60, stateful_step_count=40, deadline=None,
+            max_examples=120, stateful_step_count=50, deadline=None,
             suppress_health_check=list(HealthCheck),
         ),
     )  # fmt: skip

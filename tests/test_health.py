@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from igrip.health import Gate, HealthConfig
+import igrip
+from igrip.health import Gate, HealthConfig, contradictions
+from support import BOX, UPRIGHT
 
 HERE = (0.1, 0.2, 0.3)
 
@@ -263,3 +265,29 @@ def test_a_clock_that_steps_back_and_partly_forward_again_heals_too(back, then):
     assert actions[59] == "accept"  # the first step has healed
     assert actions[-1] == "accept"
     assert not g.is_late(now)
+
+
+def test_two_that_are_in_one_place_contradict_each_other():
+    places = {"a": (0.0, 0.0, 0.0), "b": (0.01, 0.0, 0.02), "c": (0.02, 0.5, 0.0), "d": (3.0, 0, 0)}
+    assert contradictions(places, 0.03) == {"a": "b", "b": "a"}
+    assert contradictions(places, 0.01) == {}
+    assert contradictions({}, 1.0) == {}
+
+
+def test_hands_in_one_place_give_no_lease_and_are_named(shapes):
+    config = igrip.Config(targets="paper", commitment={"reliability": 0.0})
+    estimator = igrip.Estimator(shapes, config)
+    box = {"box": {"model": BOX, "position": [0.3, 0.0, 0.0], "orientation": UPRIGHT}}
+    leases = []
+    for k in range(30):
+        right = [0.008 * k, 0.001 * (k % 3), 0.0]
+        left = [right[0], right[1], 0.01 if 15 <= k < 20 else 0.2]
+        hands = {"right": {"position": right}, "left": {"position": left}}
+        said = estimator.update(igrip.Observation(t=k / 30.0, hands=hands, objects=box))
+        [right] = [i for i in said if i.hand == "right"]
+        leases.append(right.commitment is not None)
+        if k == 16:
+            assert right.reason == "contradictory: is where hand left is"
+    assert any(leases[:15])
+    assert not any(leases[15:20])
+    assert any(leases[20:])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 from igrip.entities import Vector
@@ -43,7 +44,28 @@ class HealthConfig(Settings):
         "guess",
         gt=0,
     )
+    hands_apart: float = quantity(
+        0.03, "m", "two palms that are nearer to each other are one hand, seen as two", "guess",
+        ge=0,
+    )  # fmt: skip
+    objects_apart: float = quantity(
+        0.005, "m", "two objects that are nearer to each other are one, taken for two", "guess",
+        ge=0,
+    )  # fmt: skip
     range_limit: float = quantity(100.0, "m", "nothing is further from the origin", "guess", gt=0)
+
+
+def contradictions(positions: Mapping[str, Vector], apart: float) -> dict[str, str]:
+    """Return for each entity that is where another is [m] which that is."""
+    found = {}
+    ranked = sorted((place, id) for id, place in positions.items())  # by x first
+    for k, (place, id) in enumerate(ranked):
+        for there, other in ranked[k + 1 :]:
+            if there[0] - place[0] >= apart:
+                break
+            if math.dist(place, there) < apart:
+                found[id], found[other] = other, id
+    return found
 
 
 class Verdict(NamedTuple):
@@ -74,6 +96,8 @@ class Gate:
 
     Attributes
     ----------
+    position : 3 floats or None
+        The newest accepted one [m].
     newest : float
         Time of the newest accepted measurement, on the clock of the messages [s]; NaN before the
         first.
@@ -86,7 +110,7 @@ class Gate:
     def __init__(self, config: HealthConfig, limit: float) -> None:
         self._config = config
         self._limit = limit
-        self._position: Vector | None = None
+        self.position: Vector | None = None
         self._doubted_since: float | None = None
         self._doubted_t = -math.inf
         self._first_jump = math.inf
@@ -113,7 +137,7 @@ class Gate:
         if t > latest:
             self.counts["future"] += 1
             return Verdict("refuse", f"measured {t - now:.3g} s in the future of its arrival")
-        if self._position is None:
+        if self.position is None:
             return self._take(t, position, "accept")
         dt = t - self.newest
         if dt < LEAST_STEP:
@@ -121,7 +145,7 @@ class Gate:
             if not self._is_new_stream(now, own):
                 return Verdict("ignore", "not newer than the newest")
             return self._follow(now, own, position)
-        step = math.dist(position, self._position)
+        step = math.dist(position, self.position)
         # while a jump is doubted the bound must not grow until it is believed by patience alone
         since = min(dt, self._first_jump - self.newest)
         if step > config.jump_distance + config.jump_speed * since:
@@ -165,8 +189,8 @@ class Gate:
     def _take(self, t: float, position: Vector, action: Literal["accept", "restart"]) -> Verdict:
         if action == "restart":
             self.counts["restarts"] += 1
-        if action == "restart" or position != self._position:
+        if action == "restart" or position != self.position:
             self._same_since = t
-        self.newest, self._position = t, position
+        self.newest, self.position = t, position
         self._doubted_since, self._doubted_t, self._first_jump = None, -math.inf, math.inf
         return Verdict(action)

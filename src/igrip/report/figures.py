@@ -102,3 +102,30 @@ def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
     panel.set_ylabel("right [%]")
     panel.legend(fontsize=7)
     return figure
+
+
+def draw_commitment(summary: Mapping[str, Any]) -> Any | None:
+    """Draw what a user chooses between: from reactive to reliable, for each estimator."""
+    curves = {n: t["commitment"]["all"] for n, t in summary["targets"].items()}
+    curves = {n: rows for n, rows in curves.items() if rows and "committed" in rows[0]}
+    if not curves:
+        return None
+    figure = new_figure(9.5, 3.4, "the report")
+    axes = figure.subplots(1, 3)
+    columns = (
+        ("right", "first commitment is right [%]"), ("committed", "reaches committed for [%]"),
+        ("false_per_minute", "false commitments a minute without a reach"),
+    )  # fmt: skip
+    for panel, (column, words) in zip(axes, columns, strict=True):
+        for colour, (name, rows) in zip(COLOURS * 4, curves.items(), strict=False):
+            known = [r for r in rows if r.get(column) is not None]
+            scale = 1.0 if column == "false_per_minute" else 100.0
+            panel.plot(
+                [100.0 * r["mean_part"] for r in known], [scale * r[column] for r in known],
+                "o-", ms=3, lw=1, color=colour, label=name,
+            )  # fmt: skip
+        panel.set_xlabel("mean part of the movement [%]")
+        panel.set_ylabel(words, fontsize=8)
+        panel.grid(alpha=0.3)
+    axes[0].legend(fontsize=6)
+    return figure

@@ -68,6 +68,7 @@ def write_report(
         "participants": figures.draw_participants(own),
         "accuracy": figures.draw_accuracy(summary),
         "calibration": figures.draw_calibration(summary),
+        "commitment": figures.draw_commitment(summary),
         "courses": _courses(dataset, catalog, own, leading, chosen),
     }
     pictures = {name: _save(figure, out, name) for name, figure in drawn.items() if figure}
