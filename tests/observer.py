@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+
 LEASE, OBJECT_AGE, FROZEN, TOLERANCE = 0.15, 2.0, 0.5, 0.05
+JUMP, NEW_STREAM = 0.6, 0.25  # m from message to message no hand moves; s until it is another
+LATENCY = 0.15  # s; poses of the demo are up to so old when they come
 BELIEVED = ("idle", "reaching", "holding")
 
 
@@ -13,8 +18,8 @@ class Observer:
         self.violations = []
         self.commitments = 0
         self.answers = 0
-        self.healthy_since_fault = {}
         self._t = 0.0
+        self._jumped, self._together, self._missed = {}, set(), {}
         self._hands = {}  # id: (newest time that can be believed, position, same since)
         self._objects = {}  # id: (time, static) of the newest look; None if it was not seen
 
@@ -29,11 +34,23 @@ class Observer:
             if own > t + TOLERANCE or (before and own <= before[0]):
                 continue
             position = tuple(hand["position"])
+            if before and math.dist(position, before[1]) > JUMP:
+                self._jumped.setdefault(id, t)
+                if t - self._jumped[id] < NEW_STREAM:
+                    continue  # not believed; it may be another hand by now, if it stays
+            self._jumped.pop(id, None)
             same = before[2] if before and before[1] == position else own
             self._hands[id] = (own, position, same)
+        here = {id: hand[1] for id, hand in self._hands.items() if t - hand[0] < 0.3}
+        self._together = {
+            id for one, other in itertools.combinations(here, 2) for id in (one, other)
+            if math.dist(here[one], here[other]) < 0.025
+        }  # fmt: skip
         for id, pose in message.get("objects", {}).items():
             if pose is None:
-                self._objects[id] = None
+                self._objects[id], self._missed[id] = None, t
+            elif pose.get("t", t) <= self._missed.get(id, -1.0) - LATENCY:
+                continue  # seen before it was missed, told after
             elif pose.get("t", t) <= t + TOLERANCE:
                 newest = self._objects.get(id)
                 own = pose.get("t", t)
@@ -58,6 +75,9 @@ class Observer:
                 known is None or lease["valid_until"] <= known[0] + LEASE + 1e-9,
             "the hand is frozen": known is None or known[0] - known[2] < FROZEN,
             "the target is absent": seen is not None,
+            "the hand has jumped":
+                hand not in self._jumped or t - self._jumped[hand] >= NEW_STREAM,
+            "the hand is where another is": hand not in self._together,
             "the target was seen too long ago":
                 seen is None or seen[1] or t - seen[0] <= OBJECT_AGE + 1e-9,
             "it began later than now": lease["since"] <= t,

@@ -26,7 +26,7 @@ from igrip.targets.bayes import WEIGHTS
 from igrip.targets.library import LIBRARY
 from igrip.targets.network import read_scorer
 from training.grip import approaches_of, fit_grip, write_grip
-from training.learn import fit_several, inputs_of, probabilities, write_scorer
+from training.learn import fit_scorer, inputs_of, probabilities, write_scorer
 from training.library import Shown, demonstrated, fit_library, write_library
 from training.moments import Moments, Recording, follow, joined, moments_of, thinned
 from training.people import EACH, FOLDS, LEARNED_FROM, real_recordings, record
@@ -126,7 +126,7 @@ def main() -> int:
     asked = parser.parse_args()
     began = time.monotonic()
     moments, shown, approaches = gather(asked.reaches, asked.persons)
-    scorer, loss = fit_several(moments, MEMORY, SEED)
+    scorer, loss = fit_scorer(moments, MEMORY, SEED)
     learned, grip = fit_library(shown, SEED), fit_grip(approaches)
     passed = time.monotonic() - began
     print(

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from igrip.importers.base import ImportOptions, Reach, observe
 from igrip.targets.features import LOCAL
-from igrip.targets.network import Scorer
-from training.__main__ import MEMORY, PERSONS, SEED, gather
-from training.learn import fit, inputs_of, scores_of, standardised
+from igrip.targets.network import BOUND
+from training.__main__ import PERSONS, SEED, gather
+from training.learn import Network, fit, inputs_of, standardised
 from training.logit import Terms, fit_logit, linear, logit_scores, quadratic
 from training.moments import Moments, Recording, catalog, follow, joined, moments_of
 from training.people import LEARNED_FROM, VALIDATION, real_recordings
@@ -100,9 +100,13 @@ def main() -> None:
     for name, terms in (("logit, linear", linear), ("logit, quadratic", quadratic)):
         weights = fit_logit(inputs, moments, terms)
         candidates.append((name, partial(_logit, mean, scale, weights, terms)))
+
+    def fitted(units: int) -> Network:
+        return fit(inputs, moments, SEED, none=True, units=units)[0]
+
     for units in (8, 16, 32, 48):
         candidates.append(
-            (f"network, {units} units", partial(_network, fit(moments, MEMORY, SEED, units)[0]))
+            (f"network, {units} units", partial(_network, mean, scale, fitted(units)))
         )
     print("| likelihood | near, 40 / 60 % | far | their mean | simulated |")
     print("| --- | --- | --- | --- | --- |")
@@ -117,8 +121,11 @@ def _logit(mean: Array, scale: Array, weights: Array, terms: Terms, moments: Mom
     return logit_scores(inputs_of(moments), mean, scale, weights, terms)
 
 
-def _network(scorer: Scorer, moments: Moments) -> Array:
-    return scores_of(scorer, inputs_of(moments))
+def _network(mean: Array, scale: Array, network: Network, moments: Moments) -> Array:
+    z = np.clip((inputs_of(moments) - mean) / scale, -BOUND, BOUND)
+    units = np.tanh(z @ network.hidden + network.bias)
+    scores: Array = units @ network.out_weights + network.out_bias[0]
+    return scores
 
 
 if __name__ == "__main__":

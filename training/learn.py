@@ -8,19 +8,21 @@ that a second training gives the same file.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.targets.network import BOUND, FORMAT, INPUTS, Scorer, arrange, evaluate
+from igrip.targets.network import BOUND, FORMAT, INPUTS, Scorer, arrange
 from training.moments import Moments
 
 Array = NDArray[np.float64]
 DIGITS = 6  # of the grid
-UNITS, NETWORKS = 48, 3
+UNITS = 48
+WHICH, WHETHER = 2, 1  # networks for each question
 PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
 FIRST, SECOND = 0.9, 0.999  # memory of the gradient and of its square
 
@@ -41,30 +43,81 @@ def standardised(inputs: Array) -> tuple[Array, Array, Array]:
     return np.clip((inputs - mean) / scale, -BOUND, BOUND), mean, scale
 
 
-def fit_several(moments: Moments, memory: float, seed: int) -> tuple[Scorer, float]:
-    """Return the mean of several networks that began elsewhere, and their mean loss.
+class Network(NamedTuple):
+    """One hidden layer of tanh units, one output."""
 
-    Side by side they are one network. Each errs in its own way; their mean errs less (Hansen &
-    Salamon 1990, IEEE Trans. PAMI 12:993-1001).
-    """
-    every = [fit(moments, memory, seed + k) for k in range(NETWORKS)]
-    scorers = [scorer for scorer, _ in every]
-    several = Scorer(
-        scorers[0].mean, scorers[0].scale,
-        np.concatenate([s.hidden for s in scorers], axis=1),
-        np.concatenate([s.bias for s in scorers]),
-        np.round(np.concatenate([s.out_weights for s in scorers]) / NETWORKS, DIGITS),
-        round(sum(s.out_bias for s in scorers) / NETWORKS, DIGITS), memory, provenance={},
-    )  # fmt: skip
-    return several, sum(loss for _, loss in every) / NETWORKS
+    hidden: Array
+    bias: Array
+    out_weights: Array
+    out_bias: Array
 
 
-def fit(moments: Moments, memory: float, seed: int, units: int = UNITS) -> tuple[Scorer, float]:
-    """Return a scorer of one network, and its mean loss in the last pass.
+def fit_scorer(moments: Moments, memory: float, seed: int) -> tuple[Scorer, float]:
+    """Return the scorer and the mean loss of its part that tells whether.
 
-    Adam (Kingma & Ba 2015, ICLR) with a learning rate that falls as a cosine.
+    Networks for *which* learn from frames with a target, between the objects; those for *whether*
+    from all, against none. Several that began elsewhere are averaged: each errs in its own way;
+    their mean errs less (Hansen & Salamon 1990, IEEE Trans. PAMI 12:993-1001).
     """
     inputs, mean, scale = standardised(inputs_of(moments))
+    reached = chosen(moments, moments.target >= 0)
+    rows = (moments.target >= 0)[moments.frame]
+    which = [fit(inputs[rows], reached, seed + k, none=False)[0] for k in range(WHICH)]
+    every = [fit(inputs, moments, seed + WHICH + k, none=True) for k in range(WHETHER)]
+    whether = [network for network, _ in every]
+    return joined_networks(which, whether, mean, scale, memory), sum(x for _, x in every) / WHETHER
+
+
+def joined_networks(
+    which: Sequence[Network], whether: Sequence[Network], mean: Array, scale: Array, memory: float
+) -> Scorer:
+    """Return networks side by side, as one."""
+    columns = [
+        np.concatenate([np.round(n.out_weights / len(part), DIGITS) if part is own else
+                        np.zeros_like(n.out_weights) for part in (which, whether) for n in part])
+        for own in (which, whether)
+    ]  # fmt: skip
+    biases = [np.mean([n.out_bias[0] for n in part]) for part in (which, whether)]
+    both = [*which, *whether]
+    return Scorer(
+        mean, scale, np.concatenate([n.hidden for n in both], axis=1),
+        np.concatenate([n.bias for n in both]), np.stack(columns, axis=1),
+        np.round(np.array(biases), DIGITS), memory, provenance={},
+    )  # fmt: skip
+
+
+def chosen(moments: Moments, keep: NDArray[np.bool_]) -> Moments:
+    """Return some of the frames."""
+    rows = keep[moments.frame]
+    frame, place = np.cumsum(keep) - 1, np.cumsum(rows) - 1
+    target = moments.target[keep]
+    return Moments(
+        moments.local[rows], frame[moments.frame[rows]], moments.shared[keep],
+        np.where(target < 0, -1, place[target]), moments.weight[keep], moments.trial[keep],
+        moments.part[keep],
+    )  # fmt: skip
+
+
+def fit(
+    inputs: Array, moments: Moments, seed: int, none: bool, units: int = UNITS
+) -> tuple[Network, float]:
+    """Return one network, and its mean loss in the last pass.
+
+    Adam (Kingma & Ba 2015, ICLR) with a learning rate that falls as a cosine.
+
+    Parameters
+    ----------
+    inputs : (r, i)
+        Standardised.
+    moments : Moments
+        Of the same rows.
+    seed : int
+        Of the first weights and of the order of the frames.
+    none : bool
+        Whether none of the objects is an answer, too.
+    units : int
+        Of the hidden layer.
+    """
     random = np.random.default_rng(seed)
     width = inputs.shape[1]
     weights = [
@@ -79,7 +132,7 @@ def fit(moments: Moments, memory: float, seed: int, units: int = UNITS) -> tuple
     for _ in range(PASSES):
         loss = 0.0
         for rows, frame, target, weight in _batches(moments, random):
-            gradients, part = _gradients(inputs[rows], frame, target, weight, weights)
+            gradients, part = _gradients(inputs[rows], frame, target, weight, weights, none)
             loss += part
             step += 1
             rate = RATE * 0.5 * (1.0 + np.cos(np.pi * step / steps))
@@ -91,11 +144,7 @@ def fit(moments: Moments, memory: float, seed: int, units: int = UNITS) -> tuple
                 slope = one / (1.0 - FIRST**step)
                 size = np.sqrt(two / (1.0 - SECOND**step)) + 1e-8
                 weights[k] = np.round(weights[k] - rate * slope / size, DIGITS)
-    hidden, bias, out_weights, out_bias = weights
-    scorer = Scorer(
-        mean, scale, hidden, bias, out_weights, float(out_bias[0]), memory, provenance={}
-    )
-    return scorer, loss / float(moments.weight.sum())
+    return Network(*weights), loss / float(moments.weight.sum())
 
 
 def _batches(
@@ -117,14 +166,14 @@ def _batches(
 
 def _gradients(
     inputs: Array, frame: NDArray[np.int64], target: NDArray[np.int64], weight: Array,
-    weights: list[Array],
+    weights: list[Array], none: bool,
 ) -> tuple[list[Array], float]:  # fmt: skip
     """Return the gradient of the mean loss for each array of weights, and the loss's sum."""
     hidden, bias, out_weights, out_bias = weights
     units = np.tanh(inputs @ hidden + bias)
     scores = units @ out_weights + out_bias
     likely = np.exp(np.clip(scores, -50.0, 50.0))
-    total = 1.0 + np.bincount(frame, weights=likely, minlength=len(target))
+    total = float(none) + np.bincount(frame, weights=likely, minlength=len(target))
     off = likely / total[frame]
     hit = target[target >= 0]
     off[hit] -= 1.0
@@ -134,19 +183,20 @@ def _gradients(
     return [inputs.T @ back, back.sum(axis=0), units.T @ off, np.array([off.sum()])], loss
 
 
-def scores_of(scorer: Scorer, inputs: Array) -> Array:
-    """Return the log-odds of each row, shape (r,)."""
-    scores = np.empty(len(inputs))
-    evaluate(
-        inputs, scorer.mean, scorer.scale, scorer.hidden, scorer.bias, scorer.out_weights,
-        scorer.out_bias, scores,
-    )  # fmt: skip
+def scores_of(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
+    """Return the log-odds of each row against none, shape (r,)."""
+    z = np.clip((inputs - scorer.mean) / scorer.scale, -BOUND, BOUND)
+    which, whether = (np.tanh(z @ scorer.hidden + scorer.bias) @ scorer.out_weights).T
+    logs = []
+    for output, bias in zip((which, whether), scorer.out_bias, strict=True):
+        logs.append(np.log(np.bincount(frame, weights=np.exp(np.clip(output + bias, -50, 50)))))
+    scores: Array = which + scorer.out_bias[0] - logs[0][frame] + logs[1][frame]
     return scores
 
 
 def probabilities(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
     """Return the probability of each object among those of its frame and none, shape (r,)."""
-    likely: Array = np.exp(np.clip(scores_of(scorer, inputs), -50.0, 50.0))
+    likely: Array = np.exp(np.clip(scores_of(scorer, inputs, frame), -50.0, 50.0))
     return likely / (1.0 + np.bincount(frame, weights=likely))[frame]
 
 
@@ -165,6 +215,6 @@ def write_scorer(scorer: Scorer, path: Path) -> None:
         f' "inputs": {{\n{inputs}\n }},\n'
         f' "bias": {json.dumps(scorer.bias.tolist())},\n'
         f' "out_weights": {json.dumps(scorer.out_weights.tolist())},\n'
-        f' "out_bias": {scorer.out_bias}\n}}\n',
+        f' "out_bias": {json.dumps(scorer.out_bias.tolist())}\n}}\n',
         encoding="utf-8",
     )

@@ -62,6 +62,9 @@ class CommitmentConfig(Settings):
     resume: float = quantity(
         0.3, "s", "after a pause no longer than this it goes on without a dwell", "DESIGN §5", ge=0
     )
+    rest: float = quantity(
+        0.3, "s", "a hand must rest so long, believed, for a veto to be over", "guess", ge=0
+    )
     reach: float = quantity(
         0.12, "m", "a palm that stops so near to the surface of its target holds it", "guess", gt=0
     )
@@ -136,6 +139,7 @@ class Committer:
         self._config = config
         self._vetoed = False
         self._confirmed = False
+        self._rests_since = self._rested = math.nan
         self._open()
 
     def _open(self) -> None:
@@ -147,10 +151,16 @@ class Committer:
         self._stopped: Vector | None = None
         self._lapsed = False  # what is held has lost its lease for good
 
+    @property
+    def vetoed(self) -> bool:
+        """Whether there is a veto that the hand has not yet rested after."""
+        return self._vetoed
+
     def veto(self) -> None:
         """End the lease now, and give none before the hand has rested."""
         self._open()
-        self._vetoed = True
+        self._vetoed, self._confirmed = True, False
+        self._rests_since = math.nan
 
     def confirm(self) -> None:
         """Take the user's word for the reach under way: no dwell."""
@@ -173,8 +183,9 @@ class Committer:
         self._lapsed |= paused and self.state == "holding"
         if paused and self.state != "holding":
             self._open()
-        if not seen.moving and self.state == "open":
-            self._vetoed = self._confirmed = False
+        if self._has_rested(seen):
+            self._vetoed = False
+            self._confirmed &= self.state != "open"
         ends = seen.measured + config.lease
         if not seen.trusted or ends <= seen.t:
             self.doubt()
@@ -193,6 +204,15 @@ class Committer:
             return None
         return Commitment(target=self.target, grip=self._grip, since=self._since, valid_until=ends)
 
+    def _has_rested(self, seen: Evidence) -> bool:
+        """Whether a hand has rested, believed all the while; one seen anew seems to, at first."""
+        if not seen.trusted or seen.moving:
+            self._rests_since = math.nan
+        elif not seen.t - self._rested <= self._config.resume or math.isnan(self._rests_since):
+            self._rests_since = seen.t
+        self._rested = seen.t
+        return seen.t - self._rests_since >= self._config.rest
+
     def _earn(self, seen: Evidence) -> None:
         """Look for a target that is likely enough, for long enough, while the hand moves."""
         config, target = self._config, seen.target
@@ -210,6 +230,7 @@ class Committer:
         waited = seen.measured - self._since >= config.dwell - 1e-9
         if self._confirmed or (waited and not config.needs_confirmation):
             self.state, self._since, self._grip = "committed", seen.t, seen.grip
+            self._confirmed = False  # another reach is to be confirmed anew
 
     def _keep(self, seen: Evidence) -> None:
         """End what was committed to or held, where it is over."""

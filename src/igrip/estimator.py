@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import msgspec
@@ -10,6 +10,7 @@ import msgspec
 from igrip.commitment import Committer, Evidence
 from igrip.config import Config
 from igrip.cues import CUES
+from igrip.errors import IgripError
 from igrip.geometry.scene import Geometry, Placed, Scene
 from igrip.grips import GRIPS, Grip
 from igrip.intention import Intention, Status
@@ -59,6 +60,7 @@ class Estimator:
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
+        self._doubted: set[str] = set()
         self._latest: dict[str, Intention] = {}
 
     def update(self, observation: Observation) -> list[Intention]:
@@ -87,6 +89,7 @@ class Estimator:
         trouble = self._world.trouble()
         intentions = {}
         self._evidence.clear()
+        self._doubted.clear()
         for hand, motion, geometry in zip(
             ready, motions, self._scene.measure(motions, objects), strict=True
         ):
@@ -97,25 +100,57 @@ class Estimator:
             intentions[hand.id] = self._committed(hand, motion, geometry, belief, said)
         return self._complete(intentions, measured)
 
-    def veto(self, hand: str) -> None:
-        """End the lease of a hand; it gets none before it has rested."""
-        if hand in self._committers:
-            self._committers[hand].veto()
+    def veto(self, hand: str | None = None) -> list[Intention]:
+        """End the lease of a hand, or of all; it gets none before it has rested.
 
-    def confirm(self, hand: str) -> None:
-        """Take the user's word that the reach of a hand under way is meant: no dwell."""
-        if hand in self._committers:
-            self._committers[hand].confirm()
+        Returns
+        -------
+        list of Intention
+            What is to be told at once: the newest intentions, without a lease.
 
-    def opened(self, hand: str) -> None:
-        """Note that the device has opened: the hand holds nothing."""
-        if hand in self._committers:
-            self._committers[hand].opened()
+        Raises
+        ------
+        IgripError
+            If no device assists that hand.
+        """
+        return self._word(hand, Committer.veto)
+
+    def confirm(self, hand: str | None = None) -> list[Intention]:
+        """Take the user's word that the reach under way is meant: no dwell. As :meth:`veto`."""
+        return self._word(hand, Committer.confirm)
+
+    def opened(self, hand: str | None = None) -> list[Intention]:
+        """Note that the device has opened: the hand holds nothing. As :meth:`veto`."""
+        return self._word(hand, Committer.opened)
+
+    def _word(self, hand: str | None, word: Callable[[Committer], None]) -> list[Intention]:
+        if hand is not None and not self.config.commitment.assists(hand):
+            raise IgripError(f"hand {hand!r:.80} is not one that a device assists")
+        if hand is not None and hand not in self._committers:
+            if len(self._committers) >= 4 * self.config.world.most_hands:
+                raise IgripError(f"hand {hand!r:.80} is not known, and there are too many")
+            self._committers[hand] = Committer(self.config.commitment)
+        told = []
+        for id in [hand] if hand is not None else list(self._committers):
+            committer = self._committers[id]
+            word(committer)
+            before = self._latest.get(id)
+            if before is None or committer.state in ("committed", "holding"):
+                continue
+            status = self._status(self._world.hands[id])
+            self._latest[id] = msgspec.structs.replace(before, status=status, commitment=None)
+            told.append(self._latest[id])
+        return told
 
     @property
     def evidence(self) -> dict[str, Evidence]:
         """What commitment was decided on in the newest message, by hand (assisted or not)."""
         return dict(self._evidence)
+
+    @property
+    def doubted(self) -> set[str]:
+        """Hands whose measurement in the newest message could not be believed."""
+        return set(self._doubted)
 
     @property
     def objects(self) -> list[Placed]:
@@ -231,14 +266,17 @@ class Estimator:
         for id in self._latest.keys() - self._world.hands.keys():  # forgotten by the world
             del self._latest[id]
             self._targets.pop(id, None)
-            self._committers.pop(id, None)
+            if id in self._committers and not self._committers[id].vetoed:
+                del self._committers[id]
         for id, hand in self._world.hands.items():
             if id in answered:
                 continue
             before, status = self._latest.get(id), self._status(hand)
             changed = before is None or status != before.status
-            if hand in measured and id in self._committers:
-                self._committers[id].doubt()
+            if hand in measured:
+                self._doubted.add(id)
+                if id in self._committers:
+                    self._committers[id].doubt()
             if changed or hand in measured:
                 answered[id] = Intention(t=now, hand=id, status=status, reason=hand.reason(now))
         self._latest.update(answered)

@@ -81,10 +81,15 @@ class World:
 
     def _compare(self, measured: list[HandTrack]) -> None:
         """Note which hands are where another is: one of them is not there."""
-        seen = {hand.id: hand.gate.position for hand in measured if hand.gate.position}
+        if not measured:
+            return
+        seen = {
+            id: hand.gate.position
+            for id, hand in self.hands.items() if hand.gate.position and not hand.is_late
+        }  # fmt: skip
         same = contradictions(seen, self._health.hands_apart)
-        for hand in measured:
-            hand.same_as = same.get(hand.id)
+        for id, hand in self.hands.items():
+            hand.same_as = same.get(id)
 
     def _advance(self, now: float) -> None:
         for object_track in self.objects.values():

@@ -24,22 +24,28 @@ CLIENTS = Path(__file__).parents[2] / "docs" / "clients"
 LEASE = {"target": "cup", "grip": "palmar", "since": 0.0, "valid_until": 1.0}
 
 
-def message(seq, valid_for=None, session="a"):
+def message(seq, valid_for=None, session="a", sent=None):
     given = None if valid_for is None else LEASE
-    return {"session": session, "seq": seq, "commitment": given, "valid_for": valid_for}
+    return {
+        "session": session, "seq": seq, "commitment": given, "valid_for": valid_for, "sent": sent
+    }  # fmt: skip
 
 
-# when [s], what comes then, and whether a device may act at once, and 0.05 s and 0.2 s later
+# when [s], what comes then, sent when on the service's clock (100 s ahead), and whether a device
+# may act at once, and 0.05 s and 0.2 s later
 STORY = [
-    (0.00, message(1), (False, False, False)),
-    (1.00, message(2, 0.12), (True, True, False)),
-    (2.00, message(3, 0.03), (True, False, False)),
-    (3.00, message(4, 60.0), (True, True, False)),  # longer than any lease may hold
-    (3.10, message(5), (False, False, False)),  # taken back
-    (3.11, message(4, 0.15), (False, False, False)),  # comes late
-    (3.12, message(5, 0.15), (False, False, False)),  # comes twice
-    (4.00, message(1, 0.12, "b"), (True, True, False)),  # the service was started anew
-    (5.00, message(2, None, "b"), (False, False, False)),
+    (0.00, message(1, sent=99.99), (False, False, False)),
+    (1.00, message(2, 0.12, sent=100.99), (True, True, False)),
+    (2.00, message(3, 0.03, sent=101.99), (True, False, False)),
+    (3.00, message(4, 60.0, sent=102.99), (True, True, False)),  # longer than any lease may hold
+    (3.10, message(5, sent=103.09), (False, False, False)),  # taken back
+    (3.11, message(4, 0.15, sent=102.99), (False, False, False)),  # comes late
+    (3.12, message(5, 0.15, sent=103.11), (False, False, False)),  # comes twice
+    (4.00, message(6, 0.15, sent=103.89), (True, False, False)),  # was under way 0.1 s longer
+    (6.00, message(7, 0.15, sent=103.99), (False, False, False)),  # waited in a buffer for 2 s
+    (7.00, message(8, 0.12, sent=106.99), (True, True, False)),
+    (8.00, message(1, 0.12, "b", sent=5.0), (True, True, False)),  # the service was started anew
+    (9.00, message(2, None, "b", sent=6.0), (False, False, False)),
 ]
 WAITS = (0.0, 0.05, 0.2)
 
@@ -51,6 +57,7 @@ def test_python():
     now = [0.0]
     lease = module.Lease(lambda: now[0])
     assert not lease.permits()
+    lease.take({"error": "hand: is not known", "field": "hand", "count": 1})
     for t, told, expected in STORY:
         now[0] = t
         lease.take(told)
@@ -66,7 +73,8 @@ def test_c(tmp_path):
     if compiler is None:
         pytest.skip("no C compiler (make system)")
     steps = "\n".join(
-        f'lease_take(&l, "{m["session"]}", {m["seq"]}, {m["valid_for"] or 0.0}, {t});'
+        f'lease_take(&l, "{m["session"]}", {m["seq"]}, {m["sent"]}, '
+        f"{m['valid_for'] or 0.0}, {t});"
         f'printf("%d%d%d\\n", {", ".join(f"lease_permits(&l, {t} + {w})" for w in WAITS)});'
         for t, m, _ in STORY
     )

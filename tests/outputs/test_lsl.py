@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 import uuid
 
@@ -30,13 +31,13 @@ def intentions():
                   time_to_contact=0.3, commitment=lease),
         Intention(t=1.4, hand="right", status="lost"),
     ]  # fmt: skip
-    head = "hand=right status="
+    rows = [("idle", None, None), ("reaching", "cup", None), ("reaching", "cup", "cup"),
+            ("lost", None, None)]  # fmt: skip
     markers = [
-        head + "idle target=- grip=- commitment=-",
-        head + "reaching target=cup grip=palmar commitment=-",
-        head + "reaching target=cup grip=palmar commitment=cup",
-        head + "lost target=- grip=- commitment=-",
-    ]
+        {"hand": "right", "status": status, "target": target, "grip": target and "palmar",
+         "commitment": lease}
+        for status, target, lease in rows
+    ]  # fmt: skip
     return story, markers
 
 
@@ -72,7 +73,7 @@ def test_an_inlet_gets_what_changes_and_the_numbers(streams):
     begin = pylsl.local_clock()
     story, told = tell(output)
     seen = [markers.pull_sample(timeout=5.0) for _ in told]
-    assert [sample[0] for sample, _ in seen] == told
+    assert [json.loads(sample[0]) for sample, _ in seen] == told
     assert all(begin - 0.5 < t < pylsl.local_clock() + 0.5 for _, t in seen)
     rows = np.array([signal.pull_sample(timeout=5.0)[0] for _ in story])
     right = rows[:, len(CHANNELS) :]
@@ -116,7 +117,7 @@ def test_labrecorder_writes_a_file_that_reads_back(tmp_path):
     output.close()
     streams, _ = pyxdf.load_xdf(str(path))
     told = {stream["info"]["type"][0]: stream for stream in streams}
-    assert [row[0] for row in told["Markers"]["time_series"]] == markers
+    assert [json.loads(row[0]) for row in told["Markers"]["time_series"]] == markers
     assert told["Intention"]["time_series"].shape == (len(story), 2 * len(CHANNELS))
     assert (np.diff(told["Intention"]["time_stamps"]) > 0.0).all()
     labels = told["Intention"]["info"]["desc"][0]["channels"][0]["channel"]

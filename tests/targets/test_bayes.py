@@ -174,3 +174,23 @@ def test_two_hands_have_a_belief_each(shapes):
         }
     assert last["right"].target == "right"
     assert last["left"].target is None
+
+
+@pytest.mark.parametrize("rate", [15.0, 30.0, 120.0])
+@pytest.mark.parametrize("noise", [0.001, 0.004, 0.008])
+def test_a_hand_that_rests_in_noise_is_given_nothing(shapes, rate, noise):
+    messages, *_ = reach_messages(
+        SPREAD["left"], SPREAD, rate, rest=20.0, lasts=0.5, hold=0.0, noise=noise, seed=2
+    )
+    resting_ = [i for i in intentions_of(messages, shapes) if 1.0 < i.t < 19.9]
+    assert np.mean([likeliest(i) == "none" for i in resting_]) > 0.99
+    assert not any(i.commitment for i in resting_)
+
+
+@pytest.mark.parametrize("rate", [15.0, 60.0])
+def test_a_slow_hand_is_told_what_it_reaches_for(shapes, rate):
+    messages, onset, end = reach_messages(
+        SPREAD["right"], SPREAD, rate, rest=1.0, lasts=6.0, noise=0.001
+    )
+    answers = intentions_of(messages, shapes)
+    assert at(answers, onset + 0.9 * (end - onset)).target == "right"

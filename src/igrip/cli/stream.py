@@ -50,6 +50,11 @@ def stream(
     objects: Annotated[
         list[str] | None, typer.Option(help="Where models come from. Default: ycb.")
     ] = None,
+    preload: Annotated[
+        list[str] | None,
+        typer.Option(help="A model to read now rather than when it first appears, which takes up "
+                     "to some seconds on a new machine; repeatable."),
+    ] = None,
     targets: Annotated[str | None, typer.Option(help="Targets estimator.")] = None,
     assisted: Annotated[
         list[str] | None,
@@ -87,6 +92,8 @@ def stream(
     """
     ways, outs = into or [Way.WS], out or [Out.WS]
     lone = ways == [Way.STDIN]
+    if senders_clock and not lone:
+        raise IgripError("--senders-clock is for --in stdin alone: of several, one would rule time")
     commitment = CommitmentConfig(
         assisted=tuple(assisted) if assisted else EVERY, reliability=reliability,
         needs_confirmation=confirm,
@@ -96,18 +103,22 @@ def stream(
     access = Access(host, token) if served else None
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects(*(objects or ["ycb"]))
+        for model in preload or []:
+            catalog[model]
         _warm_up(config, catalog)
     estimator = Estimator(catalog, config)
+    errors.print(f"commits for: {', '.join(assisted) if assisted else 'every hand'}")
     service = Service(estimator, lone if senders_clock is None else senders_clock)
     try:
         if access is not None:
             _serve(service, host, port, access, Way.WS in ways, Out.WS in outs)
         if Out.STDOUT in outs:
-            service.outputs.append(StdoutOutput())
+            service.outputs.append(StdoutOutput(patient=lone))
         if Out.LSL in outs:
-            from igrip.outputs.lsl import LslOutput
+            from igrip.outputs.lsl import HANDS, LslOutput
 
-            service.outputs.append(LslOutput(name, service.numbering.session))
+            hands = tuple(assisted) if assisted else HANDS
+            service.outputs.append(LslOutput(name, service.numbering.session, hands))
         if Way.STDIN in ways:
             threading.Thread(
                 target=read_lines, args=(sys.stdin.buffer, service, lone, lone), daemon=True
@@ -132,6 +143,7 @@ def _serve(
         host, port, access, service.take, service.inbox.count, service.status, takes, tells
     )
     service.outputs.append(server)
+    service.answer = server.answer
     address = f"[{host}]" if ":" in host else host
     errors.print(f"ws://{address}:{server.port}", soft_wrap=True)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 from igrip.commitment import CommitmentConfig, Committer, Evidence
@@ -21,23 +21,29 @@ class Curve:
     """
 
     def __init__(self, config: CommitmentConfig) -> None:
-        self._configs = [config.model_copy(update={"reliability": r}) for r in POINTS]
+        plain = config.model_copy(update={"needs_confirmation": False})  # nobody is there to do so
+        self._configs = [plain.model_copy(update={"reliability": r}) for r in POINTS]
         self._committers: dict[str, list[Committer]] = {}
-        self._committed: dict[str, list[bool]] = {}
+        self._leases: dict[str, list[tuple[str, float] | None]] = {}
         self.begun: list[list[tuple[float, str, str]]] = [[] for _ in POINTS]
 
-    def take(self, evidence: Mapping[str, Evidence]) -> None:
-        """Take what is known of each hand after a message."""
+    def take(self, evidence: Mapping[str, Evidence], doubted: Collection[str] = ()) -> None:
+        """Take what is known of each hand after a message, and which could not be believed."""
+        for hand in doubted:
+            for committer in self._committers.get(hand, ()):
+                committer.doubt()
         for hand, seen in evidence.items():
             if hand not in self._committers:
                 self._committers[hand] = [Committer(config) for config in self._configs]
-                self._committed[hand] = [False] * len(POINTS)
-            before = self._committed[hand]
+                self._leases[hand] = [None] * len(POINTS)
+            before = self._leases[hand]
             for k, committer in enumerate(self._committers[hand]):
                 lease = committer.update(seen)
-                if lease is not None and not before[k]:
+                if lease is None:
+                    continue
+                if before[k] != (lease.target, lease.since):
                     self.begun[k].append((seen.t, hand, lease.target))
-                before[k] = committer.state in ("committed", "holding")
+                before[k] = (lease.target, lease.since)
 
 
 def judge_commitments(

@@ -53,7 +53,7 @@ def evaluate_trial(
             seen.take(observation)
             for estimator, intentions, curve in zip(estimators, said, curves, strict=True):
                 intentions += estimator.update(observation)
-                curve.take(estimator.evidence)
+                curve.take(estimator.evidence, estimator.doubted)
             if trial.onset_s is None or observation.t <= trial.onset_s or not layout:
                 layout = estimators[0].objects
         cut = reader.cut

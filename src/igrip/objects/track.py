@@ -51,7 +51,9 @@ class ObjectTrack:
         self._limit = health.object_limit
         self._static = False
         self._refusal: str | None = None
-        self._late = self._missed = False
+        self._late = False
+        self._delay = 0.0  # how old its poses are when they come
+        self._missed_at = -math.inf
         self._static_until = -math.inf
         self.model: ObjectModel | None = None
         self._no_model: str | None = None
@@ -82,7 +84,8 @@ class ObjectTrack:
     @property
     def trusted(self) -> bool:
         """Whether it was seen when last looked for, and nothing speaks against what was seen."""
-        return not self._missed and self.reason is None and self.fault is None and not self._stepped
+        missed = self._missed_at >= self.gate.newest
+        return not missed and self.reason is None and self.fault is None and not self._stepped
 
     @property
     def _stepped(self) -> bool:
@@ -99,19 +102,20 @@ class ObjectTrack:
         verdict = self.gate.judge(now, t, pose.position)
         if verdict.action == "ignore":
             return
-        self._refusal, self._missed = verdict.reason, False
+        self._refusal = verdict.reason
         if verdict.action == "refuse":
             return
         if verdict.action == "restart":
             self._reset()
-        self._static = pose.static
+        self._static, self._delay = pose.static, max(0.0, now - self.gate.newest)
         self._position.update(self.gate.newest, pose.position)
         self._orientation.update(self.gate.newest, pose.orientation)
 
     def miss(self, now: float) -> None:
         """Note that the object was looked for and not seen: a static one begins to age."""
         self.gate.counts["missed"] += 1
-        self._missed = True
+        # a look that found nothing is as old as one that found something
+        self._missed_at = now - self._delay
         if self._static:
             self._static, self._static_until = False, now
 

@@ -6,9 +6,11 @@ LabRecorder, pyxdf and MNE-LSL read labels, units and types.
 
 from __future__ import annotations
 
+import json
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from igrip.errors import MissingExtraError
 from igrip.intention import Intention
@@ -54,13 +56,13 @@ class LslOutput:
         """Push the numbers, and a marker if anything changed; liblsl buffers and never waits."""
         intention = envelope.intention
         at = pylsl.local_clock() - max(0.0, time.monotonic() - envelope.arrived)
-        words = marker_of(intention)
+        told = envelope.to_dict()
+        words = marker_of(told)
         if self._told.get(intention.hand) != words:
             self._told[intention.hand] = words
             self._markers.push_sample([words], at)
         if intention.hand in self._numbers:
-            valid = envelope.to_dict()["valid_for"]
-            self._numbers[intention.hand] = numbers_of(intention, valid)
+            self._numbers[intention.hand] = numbers_of(intention, told["valid_for"])
             flat = [x for hand in self._hands for x in self._numbers[hand]]
             self._signal.push_sample(flat, at)
         self._sent += 1
@@ -74,16 +76,11 @@ class LslOutput:
         del self._markers, self._signal
 
 
-def marker_of(intention: Intention) -> str:
-    """Return what is told when it changes: hand, status, target, grip, and whether to act."""
-    lease = intention.commitment
-    return " ".join(
-        f"{key}={value}" for key, value in (
-            ("hand", intention.hand), ("status", intention.status),
-            ("target", intention.target or "-"), ("grip", intention.grip or "-"),
-            ("commitment", lease.target if lease else "-"),
-        )
-    )  # fmt: skip
+def marker_of(told: Mapping[str, Any]) -> str:
+    """Return what is told when it changes, as JSON: ids may hold any characters."""
+    lease = told["commitment"]
+    marker = {key: told[key] for key in ("hand", "status", "target", "grip")}
+    return json.dumps(marker | {"commitment": lease and lease["target"]}, ensure_ascii=False)
 
 
 def numbers_of(intention: Intention, valid_for: float | None) -> list[float]:

@@ -2,7 +2,8 @@
 
 A receiver's clock is another one, so the end of a lease is told as ``valid_for``, seconds from
 receipt. It is written at the last moment before a message leaves, so that waiting in a queue is
-taken off.
+taken off; ``sent``, the clock of the service then, lets a receiver take off how much longer than
+others a message was under way.
 """
 
 from __future__ import annotations
@@ -50,13 +51,14 @@ class Envelope:
         A lease that has ended meanwhile is sent as none.
         """
         message = self.intention.to_dict()
-        age = max(0.0, self.clock() - self.arrived)
+        now = self.clock()
+        age = max(0.0, now - self.arrived)
         lease = self.intention.commitment
         left = None if lease is None else lease.valid_until - self.intention.t - age
         if left is not None and left <= 0.0:
             message["commitment"], left = None, None
         return message | {
-            "session": self.session, "seq": self.seq, "age": round(age, 6),
+            "session": self.session, "seq": self.seq, "sent": round(now, 6), "age": round(age, 6),
             "valid_for": None if left is None else round(left, 6),
         }  # fmt: skip
 

@@ -26,6 +26,7 @@ class Inbox(Generic[T]):
     def __init__(self, most: int = 256) -> None:
         self._most = most
         self._items: deque[T] = deque()
+        self._first: deque[T] = deque(maxlen=most)
         self._change = threading.Condition()
         self._closed = False
         self.counts: Counter[str] = Counter()
@@ -42,10 +43,18 @@ class Inbox(Generic[T]):
             self.counts["taken"] += 1
             self._change.notify_all()
 
+    def put_first(self, item: T) -> None:
+        """Add an item that overtakes all others, and that none pushes out."""
+        with self._change:
+            self._first.append(item)
+            self._change.notify_all()
+
     def get(self, timeout: float) -> T | None:
         """Return the oldest item; None if there is none for so long [s]."""
         with self._change:
-            self._change.wait_for(lambda: self._items or self._closed, timeout)
+            self._change.wait_for(lambda: self._items or self._first or self._closed, timeout)
+            if self._first:
+                return self._first.popleft()
             if not self._items:
                 return None
             item = self._items.popleft()
@@ -67,7 +76,7 @@ class Inbox(Generic[T]):
     def over(self) -> bool:
         """Whether nothing is left and nothing will come."""
         with self._change:
-            return self._closed and not self._items
+            return self._closed and not self._items and not self._first
 
     def __len__(self) -> int:
         return len(self._items)

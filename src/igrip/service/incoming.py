@@ -16,11 +16,14 @@ WORDS: tuple[Word, ...] = ("veto", "confirm", "opened")
 LARGEST = 1 << 18  # bytes of a message: ten times what 16 hands with landmarks and 256 objects take
 
 
+MOST_HANDS, MOST_OBJECTS, LONGEST_ID = 32, 512, 128
+
+
 class Control(NamedTuple):
-    """A word from outside about the lease of one hand."""
+    """A word from outside about the lease of one hand, or of all."""
 
     word: Word
-    hand: str
+    hand: str | None
 
 
 def decode(data: bytes | str) -> Observation | Control:
@@ -48,14 +51,29 @@ def decode(data: bytes | str) -> Observation | Control:
             return Observation.from_json(data)  # it names the field that is wrong
     if isinstance(raw, Mapping) and "control" in raw:
         return _control(raw)
+    _check_size(raw)
     try:
         return Observation.from_dict(raw)
     except RecursionError:
         raise ObservationError("message", "is nested too deeply") from None
 
 
+def _check_size(raw: Any) -> None:
+    """Refuse what no scene holds: it would cost everybody's time, and be told to everybody."""
+    if not isinstance(raw, Mapping):
+        return
+    for part, most in (("hands", MOST_HANDS), ("objects", MOST_OBJECTS)):
+        entities = raw.get(part)
+        if not isinstance(entities, Mapping):
+            continue
+        if len(entities) > most:
+            raise ObservationError(part, f"are {len(entities)}, more than {most}")
+        if any(isinstance(id, str) and len(id) > LONGEST_ID for id in entities):
+            raise ObservationError(part, f"an id has more than {LONGEST_ID} characters")
+
+
 def _control(raw: Mapping[str, Any]) -> Control:
     word, hand = raw["control"], raw.get("hand")
     if word not in WORDS:
         raise ObservationError("control", f"must be one of {', '.join(WORDS)}")
-    return Control(word, text(hand, "hand"))
+    return Control(word, None if hand is None else text(hand, "hand"))

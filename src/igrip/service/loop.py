@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from igrip.errors import ObservationError
+from igrip.errors import IgripError, ObservationError
 from igrip.estimator import Estimator
+from igrip.intention import Intention
 from igrip.observation import Observation
 from igrip.outputs.base import Output
 from igrip.outputs.wire import Clock, Numbering
@@ -46,14 +47,19 @@ class Service:
         self.numbering = Numbering(clock)
         self.outputs: list[Output] = []
         self._said = 0
+        self._updated = self._begin
+        self.answer: Callable[[object, ObservationError], None] = lambda sender, error: None
         self._report: dict[str, Any] = {}
         self._lock = threading.Lock()
 
     def take(
         self, message: Observation | Control, sender: object = None, wait: bool = False
     ) -> None:
-        """Put what came into the inbox, with the time it came at."""
-        self.inbox.put((self._clock(), message, sender), wait)
+        """Put what came into the inbox, with the time it came at; words overtake messages."""
+        if isinstance(message, Control):
+            self.inbox.put_first((self._clock(), message, sender))
+        else:
+            self.inbox.put((self._clock(), message, sender), wait)
 
     def run(self, report: float | None = None) -> None:
         """Work until the inbox is closed and empty."""
@@ -66,40 +72,66 @@ class Service:
         self._update_report()
 
     def step(self, timeout: float) -> None:
-        """Take one message, or a tick if none comes for ``timeout`` [s]."""
+        """Take one message, and tell the estimator that time passes where none was of use."""
         item = self.inbox.get(timeout)
-        if item is None:
-            arrived = self._newest = self._clock()
-            if self._sender is None:
-                self._update(Observation(t=arrived - self._begin), arrived)
-            return
-        arrived, message, sender = item
-        # it may have come in the moment before a tick
-        arrived = self._newest = max(arrived, self._newest)
-        if isinstance(message, Control):
-            self.inbox.count(message.word)
-            getattr(self._estimator, message.word)(message.hand)
-            return
-        self._update(self._stamped(message, arrived, sender), arrived)
+        if item is not None:
+            arrived, message, sender = item
+            # it may have come in the moment before a tick
+            arrived = self._newest = max(arrived, self._newest)
+            if isinstance(message, Control):
+                self._word(message, arrived, sender)
+            else:
+                self._update(self._stamped(message, arrived, sender), arrived, sender)
+        now = self._clock()
+        if self._sender is None and now - self._updated >= TICK:
+            self._newest = max(now, self._newest)
+            self._update(Observation(t=self._newest - self._begin), self._newest, None)
+
+    def _word(self, control: Control, arrived: float, sender: object) -> None:
+        """Pass on a word about a lease; what it changes is told at once."""
+        self.inbox.count(control.word)
+        try:
+            self._tell(getattr(self._estimator, control.word)(control.hand), arrived)
+        except IgripError as error:
+            self.inbox.count("refused")
+            self.answer(sender, ObservationError("hand", str(error)))
 
     def _stamped(self, message: Observation, arrived: float, sender: object) -> Observation:
         if self._sender is not None:
             return self._sender.stamp(message, arrived)
-        if sender not in self._stamps and len(self._stamps) >= MOST_SENDERS:
-            self._stamps.pop(next(iter(self._stamps)))
-        stamp = self._stamps.setdefault(sender, ArrivalStamp())
+        stamp = self._stamps.pop(sender, None) or ArrivalStamp()
+        if len(self._stamps) >= MOST_SENDERS:
+            self._stamps.pop(next(iter(self._stamps)))  # who was silent for longest
+        self._stamps[sender] = stamp
         return stamp.stamp(message, arrived - self._begin)
 
-    def _update(self, message: Observation, arrived: float) -> None:
-        try:
-            intentions = self._estimator.update(message)
-        except ObservationError:
-            self.inbox.count("refused")
-            return
+    def _update(self, message: Observation, arrived: float, sender: object) -> None:
+        """Update; an object that is refused is left out alone, and its sender told."""
+        while True:
+            try:
+                intentions = self._estimator.update(message)
+                break
+            except ObservationError as error:
+                self.inbox.count("refused")
+                self.answer(sender, error)
+                bad = [id for id in message.objects if error.field.startswith(f"objects.{id:.80}.")]
+                if not bad:
+                    return
+                objects = {id: pose for id, pose in message.objects.items() if id not in bad}
+                message = Observation(t=message.t, hands=dict(message.hands), objects=objects)
+        self._updated = self._clock()
+        self._tell(intentions, arrived)
+
+    def _tell(self, intentions: list[Intention], arrived: float) -> None:
         for intention in intentions:
             envelope = self.numbering.take(intention, arrived)
-            for output in self.outputs:
-                output.send(envelope)
+            for output in list(self.outputs):
+                try:
+                    output.send(envelope)
+                except BrokenPipeError:  # one reader went; the others stay
+                    self.outputs.remove(output)
+                    if not self.outputs:
+                        raise
             self._said += 1
 
     def _update_report(self) -> None:

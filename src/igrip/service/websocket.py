@@ -8,9 +8,8 @@ import http
 import json
 import logging
 import threading
-import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -30,6 +29,7 @@ except ImportError:  # pragma: no cover - the extra is there where this is teste
 MOST_CLIENTS = 32
 BEHIND = 64  # intentions that may wait for one client
 ERROR_EVERY = 1.0  # s between two answers to one sender of what cannot be read
+TOO_LARGE = 1009  # RFC 6455
 TRY_LATER = 1013  # RFC 6455 registry: try again later
 
 # whoever knocks and goes away would fill the terminal: these are no errors of ours
@@ -72,7 +72,9 @@ class WebSocketServer:
         self._paths = ["/observations"] * takes + ["/intentions"] * tells
         self._clients: dict[ServerConnection, asyncio.Queue[Envelope]] = {}
         self._connections = 0
-        self._dropping: set[asyncio.Future[None]] = set()
+        self._working: set[asyncio.Future[None]] = set()
+        self._open: set[ServerConnection] = set()
+        self._answered: dict[ServerConnection, tuple[float, int]] = {}
         self._sent: Counter[str] = Counter()
         self._loop = asyncio.new_event_loop()
         self._stop = asyncio.Event()
@@ -143,6 +145,7 @@ class WebSocketServer:
         assert connection.request is not None
         asked = urlsplit(connection.request.path)
         self._connections += 1
+        self._open.add(connection)
         try:
             if asked.path == "/observations":
                 await self._receive(connection)
@@ -153,20 +156,44 @@ class WebSocketServer:
             pass
         finally:
             self._connections -= 1
+            self._open.discard(connection)
+            self._answered.pop(connection, None)
+            if connection.close_code == TOO_LARGE:
+                self._count("too_large")
+
+    def answer(self, sender: object, error: ObservationError) -> None:
+        """Tell a client what was wrong with what it sent, but not too often; from any thread."""
+        if isinstance(sender, ServerConnection):
+            with contextlib.suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(self._answer, sender, error)
+
+    def _answer(self, connection: ServerConnection, error: ObservationError) -> None:
+        answered, unanswered = self._answered.get(connection, (-ERROR_EVERY, 0))
+        now = self._loop.time()
+        if connection not in self._open or now - answered < ERROR_EVERY:
+            self._answered[connection] = (answered, unanswered + 1)
+            return
+        told = {"error": str(error), "field": error.field, "count": unanswered + 1}
+        self._answered[connection] = (now, 0)
+        self._background(asyncio.wait_for(connection.send(json.dumps(told)), ERROR_EVERY))
+
+    def _background(self, work: Coroutine[Any, Any, None]) -> None:
+        async def done() -> None:
+            with contextlib.suppress(ConnectionClosed, TimeoutError):
+                await work
+
+        task = asyncio.ensure_future(done())
+        self._working.add(task)
+        task.add_done_callback(self._working.discard)
 
     async def _receive(self, connection: ServerConnection) -> None:
-        """Take what a client sends; answer what cannot be read, but not too often."""
-        answered, unanswered = -ERROR_EVERY, 0
+        """Take what a client sends."""
         async for data in connection:
             try:
                 self._take(decode(data), connection)
             except ObservationError as error:
                 self._count("malformed")
-                unanswered += 1
-                if time.monotonic() - answered >= ERROR_EVERY:
-                    told = {"error": str(error), "field": error.field, "count": unanswered}
-                    answered, unanswered = time.monotonic(), 0
-                    await asyncio.wait_for(connection.send(json.dumps(told)), ERROR_EVERY)
+                self._answer(connection, error)
 
     async def _tell(self, connection: ServerConnection, packed: bool) -> None:
         """Send intentions to one client, each as it is at that moment; take its words."""
@@ -188,6 +215,7 @@ class WebSocketServer:
                 self._sent["sent"] += 1
         finally:
             self._clients.pop(connection, None)
+            self._sent["lost"] += waiting.qsize()
             listening.cancel()
             with contextlib.suppress(asyncio.CancelledError, ConnectionClosed):
                 await listening
@@ -197,12 +225,10 @@ class WebSocketServer:
             try:
                 waiting.put_nowait(envelope)
             except asyncio.QueueFull:
-                self._sent["lost"] += waiting.qsize() + 1
+                self._sent["lost"] += 1
                 self._sent["dropped_clients"] += 1
                 del self._clients[connection]
-                dropping = asyncio.ensure_future(self._drop(connection))
-                self._dropping.add(dropping)
-                dropping.add_done_callback(self._dropping.discard)
+                self._background(self._drop(connection))
 
     async def _drop(self, connection: ServerConnection) -> None:
         """Tell a client that was too slow, and let it go, whether it listens or not."""

@@ -1,4 +1,9 @@
-"""The learned scorer: one small network for every object alike, read from a file of text."""
+"""The learned scorer: the same small networks for every object alike, read from a file of text.
+
+Two questions are learned apart: *which* object it is if it is any, from reaches alone, and
+*whether* it is any, from everything that hands do. What gestures teach about none then takes
+nothing from telling near from far.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +21,7 @@ from igrip.learned import numbers, read_learned
 from igrip.targets.features import LOCAL, SHARED
 
 Array = NDArray[np.float64]
-FORMAT = "igrip-scorer/1"
+FORMAT = "igrip-scorer/2"
 RIVALRY = 10.0
 """How fast the weight of a rival falls with its angle: exp(10 (cos - 1)), 1/e at 26 degrees."""
 HEADING = LOCAL.index("heading_so_far")
@@ -61,22 +66,34 @@ def evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, scores):
     ----------
     inputs : (o, i)
         As :func:`arrange` writes them.
-    mean, scale : (i,), hidden : (i, h), bias : (h,), out_weights : (h,), out_bias : float
-        The network.
+    mean, scale : (i,), hidden : (i, h), bias : (h,), out_weights : (h, 2), out_bias : (2,)
+        The networks; their outputs are which and whether.
     scores : (o,), written
-        Its output.
+        ``which - log Σ exp which + log Σ exp whether``: the shares of the objects by the one, what
+        they have together against none by the other.
     """
     sums = np.empty(len(bias))
+    which_most = whether_most = -math.inf
+    whether = np.empty(inputs.shape[0])
     for o in range(inputs.shape[0]):
         sums[:] = bias
         for i in range(inputs.shape[1]):
             value = min(max((inputs[o, i] - mean[i]) / scale[i], -BOUND), BOUND)
             for h in range(len(bias)):
                 sums[h] += value * hidden[i, h]
-        score = out_bias
+        scores[o], whether[o] = out_bias[0], out_bias[1]
         for h in range(len(bias)):
-            score += out_weights[h] * math.tanh(sums[h])
-        scores[o] = score
+            unit = math.tanh(sums[h])
+            scores[o] += out_weights[h, 0] * unit
+            whether[o] += out_weights[h, 1] * unit
+        which_most, whether_most = max(which_most, scores[o]), max(whether_most, whether[o])
+    which_sum = whether_sum = 0.0
+    for o in range(inputs.shape[0]):
+        which_sum += math.exp(scores[o] - which_most)
+        whether_sum += math.exp(whether[o] - whether_most)
+    for o in range(inputs.shape[0]):
+        scores[o] -= which_most + math.log(which_sum)
+        scores[o] += whether_most + math.log(whether_sum)
 
 
 @dataclass(frozen=True)
@@ -89,8 +106,8 @@ class Scorer:
         Inputs are standardised by them, and bounded to ±4.
     hidden : (i, h), bias : (h,)
         Of the hidden layer of tanh units.
-    out_weights : (h,), out_bias : float
-        Of the output.
+    out_weights : (h, 2), out_bias : (2,)
+        Of the outputs, which and whether.
     memory : float
         Time constant of the posterior while a hand moves [s].
     provenance : dict
@@ -102,7 +119,7 @@ class Scorer:
     hidden: Array
     bias: Array
     out_weights: Array
-    out_bias: float
+    out_bias: Array
     memory: float
     provenance: dict[str, Any]
 
@@ -142,8 +159,8 @@ def read_scorer(path: Path) -> Scorer:
     return Scorer(
         **columns,
         bias=bias,
-        out_weights=numbers(told, ["out_weights"], (units,), path),
-        out_bias=float(numbers(told, ["out_bias"], (), path)),
+        out_weights=numbers(told, ["out_weights"], (units, 2), path),
+        out_bias=numbers(told, ["out_bias"], (2,), path),
         memory=memory,
         provenance=dict(told.get("provenance", {})),
     )
