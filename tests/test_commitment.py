@@ -163,7 +163,35 @@ def test_a_veto_ends_it_until_the_hand_has_rested():
     for k in range(1, 30):
         assert committer.update(evidence(t + k / 30.0)) is None
     committer.update(evidence(t + 1.1, moving=False))
-    assert committed(committer, t + 1.2)
+    assert committer.update(evidence(t + 1.15)) is None  # a moment is no rest
+    for k in range(11):
+        committer.update(evidence(t + 1.2 + k / 30.0, moving=False))
+    assert committed(committer, t + 1.6)
+
+
+def test_a_veto_outlives_a_dropout_and_rest_that_is_not_believed():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    committer.veto()
+    for k in range(30):  # frozen, say
+        committer.update(evidence(t + k / 30.0, moving=False, trusted=False))
+    for k in range(6):  # seen anew: it seems to rest at first
+        committer.update(evidence(t + 2.0 + k / 30.0, moving=False))
+    for k in range(60):
+        assert committer.update(evidence(t + 2.2 + k / 30.0)) is None
+
+
+def test_each_reach_is_confirmed_anew():
+    committer = Committer(CommitmentConfig(needs_confirmation=True))
+    committer.update(evidence(0.0))
+    committer.confirm()
+    t = committed(committer)
+    committer.update(evidence(t + 0.03, moving=False, gaps={"cup": 0.04, "jug": 0.4}))
+    assert committer.state == "holding"
+    other = {"cup": 0.01, "jug": 0.98}
+    for k in range(60):
+        gaps = {"cup": 0.4, "jug": 0.1}
+        assert committer.update(evidence(t + 0.06 + k / 30.0, other, gaps=gaps)) is None
 
 
 def test_a_confirmation_spares_the_dwell_and_can_be_asked_for():

@@ -17,6 +17,7 @@ from hypothesis.stateful import (
 
 import igrip
 from igrip.commitment import CommitmentConfig
+from igrip.errors import IgripError
 from observer import Observer
 from support import BOX, CAN, UPRIGHT
 
@@ -41,7 +42,7 @@ class Leases(RuleBasedStateMachine):
         self.estimator = igrip.Estimator(self.catalog, config)
         self.assisted = HANDS if assisted == ("*",) else assisted
         self.observer, self.t, self.clock, self.swapped = Observer(), 1.0, 0.0, False
-        self.frozen, self.vanished, self.vetoed = False, set(), set()
+        self.frozen, self.vanished, self.vetoed, self.rested = False, set(), set(), {}
         self.at = {"left": [-0.2, 0.0, 0.0], "right": [0.0, 0.0, 0.0]}
         self.goal = dict.fromkeys(HANDS)
         self.send(objects=True)
@@ -70,8 +71,11 @@ class Leases(RuleBasedStateMachine):
                     leases_given.append(said["hand"])
                     assert said["hand"] in self.assisted
                     assert said["hand"] not in self.vetoed
-                if said["status"] == "idle":
-                    self.vetoed.discard(said["hand"])
+                hand = said["hand"]
+                if said["status"] == "idle" and hand in self.vetoed:
+                    self.rested[hand] += DT
+                    if self.rested[hand] > 0.25:
+                        self.vetoed.discard(hand)
 
     def move(self):
         if self.frozen:
@@ -144,13 +148,19 @@ class Leases(RuleBasedStateMachine):
 
     @rule(hand=st.sampled_from(HANDS))
     def veto(self, hand):
+        if hand not in self.assisted:
+            with pytest.raises(IgripError):
+                self.estimator.veto(hand)
+            return
         self.estimator.veto(hand)
         self.vetoed.add(hand)
+        self.rested[hand] = 0.0
         self.send(objects=True, times=3)
 
     @rule(hand=st.sampled_from(HANDS), word=st.sampled_from(["confirm", "opened"]))
     def word(self, hand, word):
-        getattr(self.estimator, word)(hand)
+        if hand in self.assisted:
+            getattr(self.estimator, word)(hand)
         self.send(times=2)
 
     @invariant()

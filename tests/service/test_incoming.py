@@ -32,7 +32,10 @@ def test_words_about_a_lease(word):
     ("data", "field"),
     [
         ('{"control": "close", "hand": "left"}', "control"),
-        ('{"control": "veto"}', "hand"),
+        ('{"control": "veto", "hand": 7}', "hand"),
+        (json.dumps({"t": 1, "hands": {f"h{k}": None for k in range(33)}}), "hands"),
+        (json.dumps({"t": 1, "objects": {f"o{k}": None for k in range(513)}}), "objects"),
+        (json.dumps({"t": 1, "objects": {"x" * 129: None}}), "objects"),
         ('{"t": NaN}', "t"),
         ('{"t": 1, "hands": {"right": {"position": [0, 0]}}}', "hands.right.position"),
         ("[" * 100_000, "message"),
@@ -48,6 +51,10 @@ def test_what_is_malformed_names_the_place(data, field):
     with pytest.raises(ObservationError) as caught:
         decode(data)
     assert caught.value.field == field
+
+
+def test_a_veto_that_names_no_hand_is_for_all():
+    assert decode('{"control": "veto"}') == Control("veto", None)
 
 
 @given(st.one_of(st.binary(max_size=200), st.text(max_size=200)))

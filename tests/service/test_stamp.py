@@ -23,7 +23,8 @@ def test_a_delay_that_varies_is_seen_as_age():
         sent = 1e6 + k / 30.0  # another clock, and a way of 40 ms
         seen = stamp.stamp(message(sent), 5.0 + k / 30.0 + 0.04 + late)
         assert seen.t == pytest.approx(5.04 + k / 30.0 + late)
-        assert seen.t - seen.hands["right"].t == pytest.approx(late, abs=1e-6)
+        # it may be taken for a drift of the clock, but hardly
+        assert 0.0 <= late + 1e-6 - (seen.t - seen.hands["right"].t) < 0.007
         assert seen.hands["left"] is None
 
 

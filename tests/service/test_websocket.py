@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import random
 import socket
@@ -22,6 +23,7 @@ from igrip.service.websocket import BEHIND, TRY_LATER, WebSocketServer
 from mutate import JUNK
 from support import BOX, UPRIGHT
 
+AT_SENDING = {"age": 0, "valid_for": 0, "sent": 0}
 TOKEN = "sixteen-characters-or-more"
 POSE = {"model": BOX, "position": [0.3, 0.0, 0.0], "orientation": UPRIGHT}
 
@@ -29,13 +31,15 @@ POSE = {"model": BOX, "position": [0.3, 0.0, 0.0], "orientation": UPRIGHT}
 class Running:
     """A service at work in threads of this process."""
 
-    def __init__(self, catalog, token=None):
-        self.service = Service(igrip.Estimator(catalog, igrip.Config(targets="paper")))
+    def __init__(self, catalog, token=None, assisted=("*",)):
+        config = igrip.Config(targets="paper", commitment={"assisted": assisted, "reliability": 0})
+        self.service = Service(igrip.Estimator(catalog, config))
         self.server = WebSocketServer(
             "127.0.0.1", 0, Access("127.0.0.1", token), self.service.take,
             self.service.inbox.count, self.service.status,
         )  # fmt: skip
         self.service.outputs.append(self.server)
+        self.service.answer = self.server.answer
         self.thread = threading.Thread(target=self.service.run, args=(0.05,), daemon=True)
         self.thread.start()
 
@@ -93,7 +97,7 @@ def test_observations_in_intentions_out_as_json_and_messagepack(running):
     assert [i["seq"] for i in seen] == list(range(seen[0]["seq"], seen[0]["seq"] + 30))
     assert {i["session"] for i in seen + same} == {running.service.numbering.session}
     for a, b in zip(seen, same, strict=True):
-        assert {**a, "age": 0, "valid_for": 0} == {**b, "age": 0, "valid_for": 0}
+        assert {**a, **AT_SENDING} == {**b, **AT_SENDING}
         assert 0.0 <= a["age"] < 5.0
     assert seen[-1]["target"] == "box"
     assert seen[-1]["schema"] == "igrip/1"
@@ -131,10 +135,13 @@ def test_silence_is_noticed(running):
 
 def test_words_about_the_lease_reach_the_estimator(running):
     heard = []
+
+    def hear(word, hand):
+        heard.append((word, hand))
+        return []
+
     for word in ("veto", "confirm", "opened"):
-        setattr(
-            running.service._estimator, word, lambda hand, word=word: heard.append((word, hand))
-        )
+        setattr(running.service._estimator, word, functools.partial(hear, word))
     with running.client("/intentions") as out, running.client("/observations") as source:
         out.send(json.dumps({"control": "veto", "hand": "right"}))
         until(lambda: len(heard) == 1)
@@ -220,7 +227,7 @@ def test_a_slow_client_is_dropped_and_told_and_the_others_are_not(running):
     time.sleep(0.3)
     stop.set()
     listener.join()
-    assert running.server.counts()["lost"] >= BEHIND
+    until(lambda: running.server.counts()["lost"] >= BEHIND)
     assert received == list(range(received[0], received[0] + len(received)))  # not one is missing
     assert last_words(slow) in (None, TRY_LATER)
     good.close()
@@ -312,3 +319,52 @@ def test_a_million_damaged_messages(running):
     assert running.thread.is_alive()
     assert len(seen) > 1000
     assert grown < 30.0
+
+
+def test_a_veto_is_told_at_once_and_overtakes_what_waits(shapes):
+    one = Running(shapes)
+    told = []
+    try:
+        with one.client("/intentions") as out, one.client("/observations") as source:
+            until(lambda: one.server.counts()["clients"] == 1)
+            for k in range(60):
+                source.send(json.dumps(observation(k)))
+                time.sleep(1.0 / 60.0)
+                if one.service._estimator.latest.get("right") and (
+                    one.service._estimator.latest["right"].commitment
+                ):
+                    break
+            out.send(json.dumps({"control": "veto", "hand": "right"}))
+            begin = time.monotonic()
+            while time.monotonic() - begin < 0.5:
+                try:
+                    told.append(json.loads(out.recv(timeout=0.1)))
+                except TimeoutError:
+                    continue
+    finally:
+        one.close()
+    granted = [said["commitment"] is not None for said in told]
+    last = len(granted) - 1 - granted[::-1].index(True)
+    after = told[last + 1]
+    assert after["commitment"] is None
+    assert after["t"] == told[last]["t"]  # told without another measurement
+
+
+def test_words_about_no_assisted_hand_are_answered(shapes):
+    one = Running(shapes, assisted=("right",))
+    try:
+        with one.client("/intentions") as out:
+            out.send(json.dumps({"control": "veto", "hand": "rihgt"}))
+            assert "rihgt" in json.loads(out.recv(timeout=5))["error"]
+    finally:
+        one.close()
+
+
+def test_what_is_refused_is_told_and_the_rest_goes_on(running):
+    with running.client("/observations") as source:
+        source.send(json.dumps({
+            "t": 1.0, "hands": {"right": {"position": [0, 0, 0]}},
+            "objects": {"box": {"position": [0.3, 0, 0], "orientation": UPRIGHT}},
+        }))  # fmt: skip
+        assert "model" in json.loads(source.recv(timeout=5))["error"]
+        until(lambda: "right" in running.service._estimator.hands)
