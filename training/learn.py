@@ -22,7 +22,7 @@ from training.moments import Moments
 Array = NDArray[np.float64]
 DIGITS = 6  # of the grid
 UNITS = 48
-WHICH, WHETHER = 3, 1  # networks for each question
+WHICH, WHETHER = 2, 1  # networks for each question
 PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
 FIRST, SECOND = 0.9, 0.999  # memory of the gradient and of its square
 
