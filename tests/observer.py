@@ -34,7 +34,8 @@ class Observer:
             if own > t + TOLERANCE or (before and own <= before[0]):
                 continue
             position = tuple(hand["position"])
-            if before and math.dist(position, before[1]) > JUMP:
+            followed = before and (own - before[0] < 0.12 or id in self._jumped)
+            if followed and math.dist(position, before[1]) > JUMP:
                 self._jumped.setdefault(id, t)
                 if t - self._jumped[id] < NEW_STREAM:
                     continue  # not believed; it may be another hand by now, if it stays

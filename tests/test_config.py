@@ -17,7 +17,7 @@ def numbers(model: type[BaseModel], path=""):
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):
             yield from numbers(type(default), f"{path}{name}.")
-        elif isinstance(default, int | float):
+        elif isinstance(default, int | float) and not isinstance(default, bool):
             yield f"{path}{name}", field, default
 
 

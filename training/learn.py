@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.targets.network import BOUND, FORMAT, INPUTS, Scorer, arrange
+from igrip.targets.network import ABSURD, BOUND, FORMAT, INPUTS, Scorer, arrange
 from training.moments import Moments
 
 Array = NDArray[np.float64]
 DIGITS = 6  # of the grid
 UNITS = 48
-WHICH, WHETHER = 2, 1  # networks for each question
+WHICH, WHETHER = 2, 2  # networks for each question
 PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
 FIRST, SECOND = 0.9, 0.999  # memory of the gradient and of its square
 
@@ -184,13 +184,16 @@ def _gradients(
 
 
 def scores_of(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
-    """Return the log-odds of each row against none, shape (r,)."""
+    """Return the log-odds of each row against none, as :func:`igrip.targets.network.evaluate`."""
     z = np.clip((inputs - scorer.mean) / scorer.scale, -BOUND, BOUND)
-    which, whether = (np.tanh(z @ scorer.hidden + scorer.bias) @ scorer.out_weights).T
-    logs = []
-    for output, bias in zip((which, whether), scorer.out_bias, strict=True):
-        logs.append(np.log(np.bincount(frame, weights=np.exp(np.clip(output + bias, -50, 50)))))
-    scores: Array = which + scorer.out_bias[0] - logs[0][frame] + logs[1][frame]
+    outputs = np.tanh(z @ scorer.hidden + scorer.bias) @ scorer.out_weights + scorer.out_bias
+    which, whether = outputs.T
+    most = np.full(frame[-1] + 1 if len(frame) else 0, -np.inf)
+    np.maximum.at(most, frame, whether)
+    which = which + np.minimum(0.0, whether - most[frame] + ABSURD)
+    logs = [np.log(np.bincount(frame, weights=np.exp(np.clip(x, -50.0, 50.0)))) for x in
+            (which, whether)]  # fmt: skip
+    scores: Array = which - logs[0][frame] + logs[1][frame]
     return scores
 
 

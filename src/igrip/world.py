@@ -85,7 +85,7 @@ class World:
             return
         seen = {
             id: hand.gate.position
-            for id, hand in self.hands.items() if hand.gate.position and not hand.is_late
+            for id, hand in self.hands.items() if hand.gate.position and hand.is_steady(self.t)
         }  # fmt: skip
         same = contradictions(seen, self._health.hands_apart)
         for id, hand in self.hands.items():

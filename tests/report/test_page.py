@@ -53,7 +53,7 @@ def test_the_page_is_whole_and_says_what_was_found(report):
     out, summary, _ = report
     page = (out / "report.html").read_text()
     assert not re.search(r"(src|href)=\"(?!data:)", page)  # nothing is fetched
-    assert page.count("data:image/svg+xml;base64,") == 3
+    assert page.count("data:image/svg+xml;base64,") == 4
     for name in TARGETS:
         assert f"<td>{name}</td>" in page
     assert percent(summary["targets"]["paper"]["valid"]["success"]) in page

@@ -12,7 +12,7 @@ from igrip.targets.features import LOCAL, SHARED
 from igrip.targets.network import INPUTS, read_scorer
 from training import learn
 from training.grip import fit_grip, terms_of
-from training.learn import fit, inputs_of, scores_of, write_scorer
+from training.learn import fit, fit_scorer, inputs_of, scores_of, standardised, write_scorer
 from training.logit import fit_logit, linear, logit_scores
 from training.moments import Moments, joined, thinned
 
@@ -35,15 +35,19 @@ def toy(frames=400, seed=0, part=0.8):
                    np.arange(frames), np.full(frames, 0.5))  # fmt: skip
 
 
-def test_gradients_are_those_of_the_loss():
-    moments, rng = toy(30), np.random.default_rng(1)
+@pytest.mark.parametrize("none", [True, False])
+def test_gradients_are_those_of_the_loss(none):
+    moments, rng = toy(30, part=0.8 if none else 1.0), np.random.default_rng(1)
     x = inputs_of(moments)
     values = [rng.normal(size=s) * 0.3 for s in ((len(INPUTS), 3), (3,), (3,), (1,))]
 
-    def loss(values):
-        return learn._gradients(x, moments.frame, moments.target, moments.weight, values)[1]
+    def at(values):
+        return learn._gradients(x, moments.frame, moments.target, moments.weight, values, none)
 
-    gradients, _ = learn._gradients(x, moments.frame, moments.target, moments.weight, values)
+    def loss(values):
+        return at(values)[1]
+
+    gradients, _ = at(values)
     for k, gradient in enumerate(gradients):
         for index in list(np.ndindex(gradient.shape))[:: max(1, gradient.size // 7)]:
             above, below = ([v.copy() for v in values] for _ in range(2))
@@ -54,9 +58,9 @@ def test_gradients_are_those_of_the_loss():
 
 
 def test_it_learns_what_there_is_to_learn():
-    scorer, _ = fit(toy(3000), 0.02, seed=0, units=8)
+    scorer, _ = fit_scorer(toy(3000), 0.02, seed=0)
     unseen = toy(500, seed=9, part=1.0)
-    scores = scores_of(scorer, inputs_of(unseen))
+    scores = scores_of(scorer, inputs_of(unseen), unseen.frame)
     best = [
         np.flatnonzero(unseen.frame == n)[np.argmax(scores[unseen.frame == n])] for n in range(500)
     ]
@@ -67,7 +71,10 @@ def test_last_digits_are_rounded_away():
     """Another machine's sums differ in the sixteenth digit; the weights must not."""
     moments = toy(2500)
     other = replace(moments, weight=moments.weight * (1.0 + 1e-13))
-    first, again = (fit(m, 0.02, seed=3, units=6)[0] for m in (moments, other))
+    first, again = (
+        fit(standardised(inputs_of(m))[0], m, seed=3, none=True, units=6)[0]
+        for m in (moments, other)
+    )
     assert (first.hidden == again.hidden).all()
     assert (first.out_weights == again.out_weights).all()
 
@@ -76,8 +83,10 @@ def test_the_file_holds_every_digit(tmp_path):
     shipped = read_scorer(WEIGHTS)
     write_scorer(shipped, tmp_path / "again.json")
     assert (tmp_path / "again.json").read_text() == WEIGHTS.read_text()
-    x = np.random.default_rng(0).normal(size=(50, len(INPUTS)))
-    assert (scores_of(read_scorer(tmp_path / "again.json"), x) == scores_of(shipped, x)).all()
+    x, frame = np.random.default_rng(0).normal(size=(50, len(INPUTS))), np.arange(50) // 5
+    assert (
+        scores_of(read_scorer(tmp_path / "again.json"), x, frame) == scores_of(shipped, x, frame)
+    ).all()
 
 
 def test_thinned_moments_keep_the_weight_and_the_targets():
@@ -114,3 +123,12 @@ def test_the_grip_is_fitted_to_its_maximum():
     likely = 1.0 / (1.0 + np.exp(-terms_of(inputs) @ np.array(list(weights.values()))))
     slope = terms_of(inputs).T @ (likely - pinch) + np.array(list(weights.values()))
     assert np.abs(slope).max() < 0.1
+
+
+def test_training_and_use_read_the_weights_alike():
+    shipped, moments = read_scorer(WEIGHTS), toy(40)
+    together = scores_of(shipped, inputs_of(moments), moments.frame)
+    for n in range(40):
+        rows = moments.frame == n
+        alone = shipped.score(moments.local[rows], moments.shared[n])
+        assert together[rows] == pytest.approx(alone, rel=1e-9)

@@ -29,6 +29,7 @@ class HandTrack:
         self._limit = health.hand_limit
         self._refusal: str | None = None
         self._refused_at = 0.0
+        self._last_refused = -math.inf
         self._late = False
         self.same_as: str | None = None  # the other hand that is at the same place, if any
 
@@ -40,6 +41,7 @@ class HandTrack:
             return False
         self._refusal, self._refused_at = verdict.reason, now
         if verdict.action == "refuse":
+            self._last_refused = now
             return True
         if verdict.action == "restart":
             self.trajectory.reset()
@@ -82,6 +84,10 @@ class HandTrack:
         """Whether a device may act on it: it is measured, and nothing is odd about that."""
         fine = self.gate.remark() is None and self.same_as is None
         return fine and self.status in ("idle", "reaching")
+
+    def is_steady(self, now: float) -> bool:
+        """Whether it is measured, and all of that could be believed for a while."""
+        return not self._late and now - self._last_refused > self._limit
 
     @property
     def is_late(self) -> bool:

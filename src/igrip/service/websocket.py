@@ -27,7 +27,7 @@ except ImportError:  # pragma: no cover - the extra is there where this is teste
     raise MissingExtraError("websockets", "outputs", "the WebSocket server") from None
 
 MOST_CLIENTS = 32
-BEHIND = 64  # intentions that may wait for one client
+BEHIND = 256  # intentions that may wait for one client
 ERROR_EVERY = 1.0  # s between two answers to one sender of what cannot be read
 TOO_LARGE = 1009  # RFC 6455
 TRY_LATER = 1013  # RFC 6455 registry: try again later

@@ -29,7 +29,7 @@ CHANGE_OF_MIND = 0.1  # a second, guess
 REST_MEMORY = 1.0  # s, time constant with which a resting hand's belief is forgotten; guess
 NONE_AT_REST = 0.4  # what is then at least believed of none: it may be about to reach; guess
 LONGEST_REST = 0.1  # s between two samples; what happened in a longer gap was not seen
-NAMELESS = 0.9  # a moving hand has no target where none is likelier than this
+NAMELESS = 0.97  # a moving hand has no target where none is likelier than this
 UNLIKELY = 1e-6  # no object is ever ruled out for good
 
 
@@ -95,7 +95,7 @@ class Bayes:
     def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
         """Return the probability of each object and of none.
 
-        The target of a moving hand is the most probable object, unless none is likelier than 0.75:
+        The target of a moving hand is the most probable object, unless none is likelier than 0.97:
         early in a reach much speaks for none, and yet which object it would be is often clear. A
         hand at rest has the target that is likelier than none.
         """

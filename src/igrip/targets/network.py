@@ -27,6 +27,9 @@ RIVALRY = 10.0
 HEADING = LOCAL.index("heading_so_far")
 INPUTS = (*LOCAL, *(f"{name}_beyond_rivals" for name in LOCAL), *SHARED)
 BOUND = 4.0
+ABSURD = 3.0
+"""An object that is so much less likely (log-odds) than another by *whether* loses by *which*, too:
+the one was shown everything, the other only what people reach between (guess)."""
 
 
 @kernel
@@ -70,10 +73,10 @@ def evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, scores):
         The networks; their outputs are which and whether.
     scores : (o,), written
         ``which - log Σ exp which + log Σ exp whether``: the shares of the objects by the one, what
-        they have together against none by the other.
+        they have together against none by the other; less what is absurd by the other.
     """
     sums = np.empty(len(bias))
-    which_most = whether_most = -math.inf
+    whether_most = -math.inf
     whether = np.empty(inputs.shape[0])
     for o in range(inputs.shape[0]):
         sums[:] = bias
@@ -86,8 +89,12 @@ def evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, scores):
             unit = math.tanh(sums[h])
             scores[o] += out_weights[h, 0] * unit
             whether[o] += out_weights[h, 1] * unit
-        which_most, whether_most = max(which_most, scores[o]), max(whether_most, whether[o])
+        whether_most = max(whether_most, whether[o])
     which_sum = whether_sum = 0.0
+    which_most = -math.inf
+    for o in range(inputs.shape[0]):
+        scores[o] += min(0.0, whether[o] - whether_most + ABSURD)
+        which_most = max(which_most, scores[o])
     for o in range(inputs.shape[0]):
         which_sum += math.exp(scores[o] - which_most)
         whether_sum += math.exp(whether[o] - whether_most)
