@@ -17,14 +17,19 @@ long as the target can be: without either the lease pauses, and after a while is
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Mapping
+from collections.abc import Collection, Container, Mapping
 from typing import Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from igrip.entities import Vector
+from igrip.geometry import cylinder
 from igrip.intention import Commitment
 from igrip.settings import Settings, quantity
 
 State = Literal["open", "earning", "committed", "holding"]
+ALONG = 0.6  # cosine between the velocities of a hand and of what it carries, at least; guess
 EVERY: tuple[str, ...] = ("*",)
 
 
@@ -110,6 +115,8 @@ class Evidence(NamedTuple):
         Objects that were seen when they were last looked for, and may be believed.
     gaps : mapping of str to float
         Distance of the palm from each object that is known [m].
+    carried : container of str
+        Objects that move along with the hand.
     """
 
     t: float
@@ -122,6 +129,26 @@ class Evidence(NamedTuple):
     confidence: Mapping[str, float]
     seen: Container[str]
     gaps: Mapping[str, float]
+    carried: Collection[str] = ()
+
+
+def moving_along(cylinders: NDArray[np.float64], velocity: NDArray[np.float64]) -> list[int]:
+    """Return which objects move, and much as a hand does.
+
+    Parameters
+    ----------
+    cylinders : (o, 11)
+        As :mod:`igrip.geometry.cylinder` lays them out; objects at rest have velocity zero.
+    velocity : (3,)
+        Of the hand [m/s].
+    """
+    own = cylinders[:, cylinder.VELOCITY : cylinder.VELOCITY + 3]
+    moves = np.flatnonzero(own.any(axis=1))
+    if not len(moves):
+        return []
+    cosine = own[moves] @ velocity
+    cosine /= np.linalg.norm(own[moves], axis=1) * np.linalg.norm(velocity) + 1e-12
+    return [int(k) for k in moves[cosine > ALONG]]
 
 
 class Committer:
@@ -214,10 +241,14 @@ class Committer:
         return seen.t - self._rests_since >= self._config.rest
 
     def _earn(self, seen: Evidence) -> None:
-        """Look for a target that is likely enough, for long enough, while the hand moves."""
+        """Look for a target that is likely enough, for long enough, while the hand moves.
+
+        A hand that carries something is full.
+        """
         config, target = self._config, seen.target
         likely = (
             seen.moving and not self._vetoed and target is not None and seen.grip is not None
+            and not any(seen.gaps.get(id, math.inf) <= config.reach for id in seen.carried)
             and target in seen.seen and seen.confidence.get(target, 0.0) >= config.threshold
         )  # fmt: skip
         if not likely:

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from igrip.commitment import Committer, Evidence
+from igrip.commitment import Committer, Evidence, moving_along
 from igrip.config import Config
 from igrip.cues import CUES
 from igrip.errors import IgripError
@@ -243,6 +243,7 @@ class Estimator:
             confidence=dict(zip(ids, likely.tolist(), strict=False)),
             seen=self._world.trusted(),
             gaps=dict(zip(ids, geometry.vertex.tolist(), strict=True)),
+            carried=[ids[k] for k in moving_along(geometry.cylinders(), motion.velocity)],
         )
         if not self.config.commitment.assists(hand.id):
             return said

@@ -13,7 +13,6 @@ from igrip.targets.bayes import NONE_AT_REST, pool, resting
 from reaching import SPREAD, START, TWO, at, intentions_of, reach_messages
 from support import CAN, UPRIGHT
 
-
 SHORT = np.array([0.0, 0.06, 0.0])  # a palm stops beside an object, not in its middle
 
 
@@ -197,3 +196,26 @@ def test_a_slow_hand_is_told_what_it_reaches_for(shapes, rate):
     )
     answers = intentions_of(messages, shapes)
     assert at(answers, onset + 0.9 * (end - onset)).target == "right"
+
+
+@pytest.mark.parametrize("rate", [15.0, 30.0, 60.0, 120.0])
+@pytest.mark.parametrize("noise", [0.001, 0.002, 0.004])
+def test_a_hand_that_has_stopped_keeps_its_target_for_a_while(shapes, rate, noise):
+    for seed in range(3):
+        messages, _, end = reach_messages(
+            SPREAD["left"] - SHORT, SPREAD, rate, rest=1.0, hold=0.7, noise=noise, seed=seed
+        )
+        answers = intentions_of(messages, shapes)
+        assert all(i.target == "left" for i in answers if i.t > end)
+
+
+def test_a_hand_that_starts_in_the_middle_of_an_object_poisons_nothing(shapes):
+    """Noiseless, exactly on the axis, and away at once: there is no way to go at all."""
+    estimator = igrip.Estimator(shapes)
+    can = {"model": CAN, "position": [0.0, 0.0, 0.0], "orientation": UPRIGHT, "static": True}
+    for k in range(60):
+        place = [0.6 * max(0.0, k / 30.0 - 0.5), 0.0, 0.0]
+        message = {"t": k / 30.0, "hands": {"right": {"position": place}}, "objects": {"can": can}}
+        for intention in estimator.update(igrip.Observation(**message)):
+            if intention.probability:
+                assert all(0.0 <= p <= 1.0 for p in intention.probability.values())

@@ -2,7 +2,7 @@
 
 A hand moves once it has left the place where it rested by more than the noise of its measurements
 explains; a speed alone would take noise at a low rate for movement, and a slow hand for a resting
-one. The noise is learned while the hand rests.
+one. The noise is learned all the while, its sway while the hand rests.
 """
 
 from __future__ import annotations
@@ -71,7 +71,12 @@ class ReachConfig(Settings):
     )  # fmt: skip
     dwell: float = quantity(0.10, "s", "rest must last this long to end a movement", "guess", ge=0)
     longest_gap: float = quantity(
-        0.5, "s", "after it nothing is known of the movement before", "guess", gt=0
+        0.5,
+        "s",
+        "after it nothing is known of the movement before (the gate of a hand, "
+        "HealthConfig.hand_limit, starts it anew earlier)",
+        "guess",
+        gt=0,
     )
 
 

@@ -105,13 +105,16 @@ class Bayes:
         passed = 0.0 if math.isnan(self._t) else motion.t - self._t
         self._t = motion.t
         belief = self._belief
-        if motion.reach.stirs and objects:
+        # a resting hand that stirs may begin to reach, or hold what it has reached and tremble
+        held = objects > 0 and belief[:-1].max() > belief[-1]
+        looks = moves or (motion.reach.stirs and not held)
+        if looks and objects:
             local, shared = np.empty((objects, len(LOCAL))), np.empty(len(SHARED))
             describe(*motion.reach[1:], geometry.cylinders(), local, shared)
             keep = math.exp(-passed / self._scorer.memory)
             change = -math.expm1(-CHANGE_OF_MIND * passed)
             pool(belief, self._scorer.score(local, shared), keep, change)
-        elif not motion.reach.stirs:
+        elif not looks:
             keep = math.exp(-min(passed, LONGEST_REST) / REST_MEMORY)
             belief[:] = keep * belief + (1.0 - keep) * resting(objects)
         best = best_of(belief[:-1])

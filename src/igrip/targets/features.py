@@ -125,6 +125,7 @@ def describe(state, points, now, cylinders, local, shared):
             finally_ += (p[axis] - last[1 + axis]) * left
             last2 += (p[axis] - last[1 + axis]) ** 2
         left, way = math.sqrt(left2) + SMALL, math.sqrt(way2) + SMALL
+        way2 = max(way2, SMALL * SMALL)
         now_cosine = towards / (speed * left + SMALL)
         late_cosine = lately / (math.sqrt(lately2) * left + SMALL)
         row = local[o]

@@ -38,12 +38,15 @@ class InReach(NamedTuple):
         Progress and deviation, in lengths of the reach.
     length : (o,)
         From the start to the object [m].
+    begins : bool
+        Whether this is the first frame of another movement.
     """
 
     elapsed: float
     passed: float
     place: Array
     length: Array
+    begins: bool = False
 
 
 class Follower:
@@ -51,6 +54,7 @@ class Follower:
 
     def __init__(self) -> None:
         self._t = math.nan
+        self._moved = False
 
     def update(self, motion: Motion, geometry: Geometry) -> InReach | None:
         """Take the next frame; None while the hand rests or there is nothing to reach."""
@@ -58,6 +62,7 @@ class Follower:
         elapsed = reach.elapsed
         passed = elapsed if math.isnan(self._t) else min(elapsed, motion.t - self._t)
         self._t = motion.t
+        begins, self._moved = not self._moved, reach.moving
         if not reach.moving or not geometry.objects:
             return None
         cylinders = geometry.cylinders()
@@ -66,6 +71,7 @@ class Follower:
         away = cylinders[:, cylinder.MIDDLE : cylinder.AXIS] - reach.start
         return InReach(
             elapsed=elapsed,
+            begins=begins,
             passed=passed,
             place=local[:, [PROGRESS, DEVIATION]],
             length=np.maximum(np.linalg.norm(away, axis=1), 1e-3),
@@ -95,7 +101,7 @@ class Witness:
 
     def hear(self, geometry: Geometry, seen: InReach, likelihood: Array) -> Array:
         """Add the log-likelihoods of a sample; return the probability of each object."""
-        if seen.elapsed < self._elapsed:
+        if seen.begins or seen.elapsed < self._elapsed:
             self._heard = {}  # another movement
         self._elapsed = seen.elapsed
         unheard = min(self._heard.values(), default=0.0)  # objects that appear on the way

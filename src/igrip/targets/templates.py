@@ -42,7 +42,7 @@ class Templates:
         seen = self._follower.update(motion, geometry)
         if seen is None:  # a hand that has stopped keeps the end that was predicted
             return self._next_to(self._end, geometry)
-        if seen.elapsed < self._profile[-1][0]:
+        if seen.begins or seen.elapsed < self._profile[-1][0]:
             self._begin()
         now, start = motion.reach.now, motion.reach.start
         self._profile.append((seen.elapsed, float(np.linalg.norm(now[3:6]))))
