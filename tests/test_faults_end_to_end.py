@@ -106,3 +106,22 @@ def test_an_unassisted_hand_never_gets_a_lease(ycb):
     assert observer.violations == []
     assert any(i["commitment"] for i in said if i["hand"] == "right")
     assert not any(i["commitment"] for i in said if i["hand"] == "left")
+
+
+@pytest.mark.parametrize(
+    "blind", [{"jump_distance": 1e6}, {"frozen_after": 1e6}, {"object_limit": 1e6}]
+)
+def test_the_observer_sees_what_health_is_for(ycb, blind):
+    """Without one of its rules, leases break promises, and the observer says so."""
+    faults = [Fault("jump", rate=0.4, lasts=0.25), Fault("freeze", rate=0.1, lasts=1.2),
+              Fault("drop", rate=0.0), Fault("lose", rate=0.0)]  # fmt: skip
+    config = igrip.Config(targets="paper", health=blind, commitment={"reliability": 0.0})
+    estimator, observer = igrip.Estimator(ycb, config), Observer()
+    for message in inject(person(ycb, 300.0, 3), faults, seed=3):
+        plain = json.loads(message.to_json())
+        if "object_limit" in blind and message.t > 1.0:
+            plain["objects"] = {}  # told once, and never again
+        observer.sent(plain)
+        for intention in estimator.update(igrip.Observation(**plain)):
+            observer.said(json.loads(intention.to_json()))
+    assert observer.violations
