@@ -17,14 +17,10 @@ long as the target can be: without either the lease pauses, and after a while is
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Collection, Container, Mapping, Sequence
 from typing import Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from igrip.entities import Vector
-from igrip.geometry import cylinder
 from igrip.intention import Commitment
 from igrip.settings import Settings, quantity
 
@@ -132,23 +128,21 @@ class Evidence(NamedTuple):
     carried: Collection[str] = ()
 
 
-def moving_along(cylinders: NDArray[np.float64], velocity: NDArray[np.float64]) -> list[int]:
-    """Return which objects move, and much as a hand does.
+def moving_along(velocities: Mapping[str, Sequence[float]], velocity: Sequence[float]) -> list[str]:
+    """Return which objects move much as a hand does.
 
     Parameters
     ----------
-    cylinders : (o, 11)
-        As :mod:`igrip.geometry.cylinder` lays them out; objects at rest have velocity zero.
-    velocity : (3,)
+    velocities : mapping of str to 3 floats
+        Of the objects that move, by id [m/s].
+    velocity : 3 floats
         Of the hand [m/s].
     """
-    own = cylinders[:, cylinder.VELOCITY : cylinder.VELOCITY + 3]
-    moves = np.flatnonzero(own.any(axis=1))
-    if not len(moves):
-        return []
-    cosine = own[moves] @ velocity
-    cosine /= np.linalg.norm(own[moves], axis=1) * np.linalg.norm(velocity) + 1e-12
-    return [int(k) for k in moves[cosine > ALONG]]
+    speed = math.hypot(*velocity)
+    return [
+        id for id, own in velocities.items()
+        if sum(a * b for a, b in zip(own, velocity, strict=True)) > ALONG * speed * math.hypot(*own)
+    ]  # fmt: skip
 
 
 class Committer:

@@ -20,7 +20,7 @@ from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 from igrip.targets import TARGETS, Belief, TargetsEstimator
 from igrip.targets.base import Scores
-from igrip.world import World
+from igrip.world import SeenNow, World
 
 
 class Estimator:
@@ -60,6 +60,7 @@ class Estimator:
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
+        self._seen = SeenNow(self._world)
         self._doubted: set[str] = set()
         self._latest: dict[str, Intention] = {}
 
@@ -231,6 +232,7 @@ class Estimator:
     ) -> Intention:
         """Return the intention with its lease, if there is one."""
         ids = [placed.id for placed in geometry.objects]
+        moving = {p.id: v for p in geometry.objects if any(v := p.velocity.tolist())}
         likely = belief.scores if belief.probability is None else belief.probability
         evidence = self._evidence[hand.id] = Evidence(
             t=self._world.t,
@@ -241,9 +243,9 @@ class Estimator:
             target=said.target,
             grip=said.grip,
             confidence=dict(zip(ids, likely.tolist(), strict=False)),
-            seen=self._world.trusted(),
+            seen=self._seen,
             gaps=dict(zip(ids, geometry.vertex.tolist(), strict=True)),
-            carried=[ids[k] for k in moving_along(geometry.cylinders(), motion.velocity)],
+            carried=moving_along(moving, motion.velocity.tolist()) if moving else (),
         )
         if not self.config.commitment.assists(hand.id):
             return said

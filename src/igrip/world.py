@@ -224,6 +224,16 @@ class World:
         return True
 
 
+class SeenNow:
+    """The objects that a device may act on after the newest message; worked out when asked."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def __contains__(self, id: object) -> bool:
+        return id in self._world.trusted()
+
+
 def _newest(track: HandTrack | ObjectTrack) -> float:
     newest = track.gate.newest
     return -1.0 if math.isnan(newest) else newest  # never believed: the first to go

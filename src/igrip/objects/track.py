@@ -19,6 +19,9 @@ from igrip.settings import Settings, quantity
 Array = NDArray[np.float64]
 
 
+USUAL_DELAY = 0.15  # s; a look that found nothing is no older than that, however late poses come
+
+
 class ObjectConfig(Settings):
     """Filters of object poses."""
 
@@ -107,7 +110,8 @@ class ObjectTrack:
             return
         if verdict.action == "restart":
             self._reset()
-        self._static, self._delay = pose.static, max(0.0, now - self.gate.newest)
+        self._static = pose.static
+        self._delay = min(max(0.0, now - self.gate.newest), USUAL_DELAY)
         self._position.update(self.gate.newest, pose.position)
         self._orientation.update(self.gate.newest, pose.orientation)
 
