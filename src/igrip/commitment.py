@@ -106,7 +106,7 @@ class Evidence(NamedTuple):
     target, grip : str or None
         What the estimator says.
     confidence : mapping of str to float
-        Its probability, or score, of each object.
+        Its probability, or score, of each object; where there are any, that of ``none``, too.
     seen : container of str
         Objects that were seen when they were last looked for, and may be believed.
     gaps : mapping of str to float

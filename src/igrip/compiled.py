@@ -32,6 +32,7 @@ KERNEL_SOURCES = (
     "geometry/local.py",
     "geometry/nearest.py",
     "geometry/ray.py",
+    "geometry/within.py",
     "geometry/kernel.py",
     "cues/distance.py",
     "cues/distance_derivative.py",

@@ -98,7 +98,7 @@ class Estimator:
             belief = self._targets_of(hand).update(motion, geometry, cues)
             grip = self._grips.select(belief, geometry, motion)
             said = self._intention(hand, geometry, cues, belief, grip, trouble)
-            intentions[hand.id] = self._committed(hand, motion, geometry, belief, said)
+            intentions[hand.id] = self._committed(hand, motion, geometry, said)
         return self._complete(intentions, measured)
 
     def veto(self, hand: str | None = None) -> list[Intention]:
@@ -228,12 +228,10 @@ class Estimator:
         )
 
     def _committed(
-        self, hand: HandTrack, motion: Motion, geometry: Geometry, belief: Belief, said: Intention
+        self, hand: HandTrack, motion: Motion, geometry: Geometry, said: Intention
     ) -> Intention:
         """Return the intention with its lease, if there is one."""
-        ids = [placed.id for placed in geometry.objects]
         moving = {p.id: v for p in geometry.objects if any(v := p.velocity.tolist())}
-        likely = belief.scores if belief.probability is None else belief.probability
         evidence = self._evidence[hand.id] = Evidence(
             t=self._world.t,
             measured=motion.t,
@@ -242,9 +240,9 @@ class Estimator:
             moving=motion.reach.moving,
             target=said.target,
             grip=said.grip,
-            confidence=dict(zip(ids, likely.tolist(), strict=False)),
+            confidence=said.probability or {id: row["global"] for id, row in said.scores.items()},
             seen=self._seen,
-            gaps=dict(zip(ids, geometry.vertex.tolist(), strict=True)),
+            gaps=dict(zip(said.scores, geometry.vertex.tolist(), strict=True)),
             carried=moving_along(moving, motion.velocity.tolist()) if moving else (),
         )
         if not self.config.commitment.assists(hand.id):

@@ -46,7 +46,6 @@ class World:
         self.objects: dict[str, ObjectTrack] = {}
         self.counts: Counter[str] = Counter()
         self._left_out = 0
-        self._trusted: set[str] | None = None
         self._placed: dict[str, Placed] = {}  # poses that have not changed since they were placed
 
     def take(self, observation: Observation) -> list[HandTrack]:
@@ -63,10 +62,10 @@ class World:
             If time decreases, an id is bound to another model, or a new id names no model.
         """
         self._check(observation)
-        self._trusted = None
         self.t = now = observation.t
         self.counts["messages"] += 1
-        self._advance(now)  # who is lost must be known before room is made
+        if observation.hands.keys() - self.hands or observation.objects.keys() - self.objects:
+            self._advance(now)  # who is lost must be known before room is made
         self.counts["unknown_fields"] += observation.unknown_fields
         self._take_objects(observation)
         measured = []
@@ -81,8 +80,8 @@ class World:
 
     def _compare(self, measured: list[HandTrack]) -> None:
         """Note which hands are where another is: one of them is not there."""
-        if not measured:
-            return
+        if not measured or len(self.hands) < 2:
+            return  # a hand that had another beside it still has: none is forgotten without one
         seen = {
             id: hand.gate.position
             for id, hand in self.hands.items() if hand.gate.position and hand.is_steady(self.t)
@@ -123,14 +122,17 @@ class World:
                 self._placed[track.id] = Placed(track.id, track.model, pose[:3], *pose[3:])
         return [self._placed[track.id] for track in usable]
 
-    def trusted(self) -> set[str]:
-        """Return the objects that a device may act on: seen when last looked for, and believed."""
-        if self._trusted is None:
-            tracks = [track for track in self.objects.values() if track.trusted]
-            places = {track.id: track.gate.position for track in tracks if track.gate.position}
-            same = contradictions(places, self._health.objects_apart)
-            self._trusted = places.keys() - same.keys()
-        return self._trusted
+    def trusts(self, id: str) -> bool:
+        """Whether a device may act on an object: seen when last looked for, and believed."""
+        track = self.objects.get(id)
+        if track is None or not track.trusted or track.gate.position is None:
+            return False
+        place, apart = track.gate.position, self._health.objects_apart
+        return not any(
+            other is not track and other.gate.position is not None
+            and math.dist(place, other.gate.position) < apart and other.trusted
+            for other in self.objects.values()
+        )  # fmt: skip
 
     def trouble(self) -> str | None:
         """Say what is wrong with the input of objects, in words."""
@@ -225,13 +227,13 @@ class World:
 
 
 class SeenNow:
-    """The objects that a device may act on after the newest message; worked out when asked."""
+    """The objects that a device may act on after the newest message."""
 
     def __init__(self, world: World) -> None:
         self._world = world
 
     def __contains__(self, id: object) -> bool:
-        return id in self._world.trusted()
+        return isinstance(id, str) and self._world.trusts(id)
 
 
 def _newest(track: HandTrack | ObjectTrack) -> float:

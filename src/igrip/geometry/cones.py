@@ -93,6 +93,20 @@ def cone_can_meet(v, tangent, p, sphere):
 
 
 @kernel
+def sphere_from(frame, p, sphere):
+    """Return a sphere as :func:`ray_can_meet` wants it, seen from the apex ``p`` of a cone."""
+    ahead = aside = across = 0.0
+    gap2 = -sphere[3] * sphere[3]
+    for axis in range(3):
+        away = sphere[axis] - p[axis]
+        ahead += frame[0, axis] * away
+        aside += frame[1, axis] * away
+        across += frame[2, axis] * away
+        gap2 += away * away
+    return ahead, aside, across, gap2
+
+
+@kernel
 def ray_can_meet(ahead, aside, across, gap2, a, b):
     """Whether the ray ``axis + a u + b v`` can meet a sphere, before it is even computed.
 

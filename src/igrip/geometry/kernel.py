@@ -13,6 +13,7 @@ from igrip.geometry.cones import (
     cone_tangent,
     ray_can_meet,
     ray_direction,
+    sphere_from,
 )
 from igrip.geometry.local import distance2, to_mesh, turn_to_mesh
 from igrip.geometry.nearest import nearest
@@ -32,7 +33,7 @@ def _mean(points, out):
 
 @kernel
 def measure(
-    bvh, vertices, starts, spheres, axes, origins, models, rotations, translations,
+    bvh, vertices, starts, spheres, balls, axes, origins, models, rotations, translations,
     centres, centre_velocities, positions, velocities, futures, future_velocities, pattern, cone,
     hits, distances, centre_rates, axial, counters,
 ):  # fmt: skip
@@ -44,6 +45,8 @@ def measure(
         Trees of the triangles and of the vertices of all meshes, one after the other.
     starts : (m, 4) int64
         First node and first triangle, first node and first vertex of each mesh.
+    balls : (m, b, 4)
+        Balls inside each mesh, centre and radius, in its frame; a negative radius: none.
     spheres : (m, 4), axes : (m, 3, 3), origins : (m, 3)
         Bounding sphere, object axes and origin of the object frame of each mesh, in its frame.
     models : (o,) int64
@@ -77,6 +80,7 @@ def measure(
     barycentre = np.empty(3)
     points = futures.shape[1]
     tangents = np.empty(points)
+    seen = np.empty((balls.shape[1], 4))
     for h in range(positions.shape[0]):
         for k in range(points):
             speed = np.sqrt(
@@ -122,17 +126,26 @@ def measure(
                 if not cone_can_meet(v, tangents[k], p, sphere):
                     continue
                 cone_frame(p, v, sphere, axes[model], frame)
-                ahead = aside = across = 0.0
-                gap2 = -sphere[3] * sphere[3]
-                for axis in range(3):
-                    away = sphere[axis] - p[axis]
-                    ahead += frame[0, axis] * away
-                    aside += frame[1, axis] * away
-                    across += frame[2, axis] * away
-                    gap2 += away * away
+                ahead, aside, across, gap2 = sphere_from(frame, p, sphere)
+                count = 0
+                for n in range(balls.shape[1]):
+                    if balls[model, n, 3] <= 0.0:
+                        break
+                    seen[n, 0], seen[n, 1], seen[n, 2], seen[n, 3] = sphere_from(
+                        frame, p, balls[model, n]
+                    )
+                    count += 1
                 for ray in range(pattern.shape[0]):
                     a, b = tangents[k] * pattern[ray, 0], tangents[k] * pattern[ray, 1]
                     if not ray_can_meet(ahead, aside, across, gap2, a, b):
+                        continue
+                    inside = False
+                    for n in range(count):
+                        inside = ray_can_meet(seen[n, 0], seen[n, 1], seen[n, 2], seen[n, 3], a, b)
+                        if inside:
+                            break
+                    if inside:
+                        met += 1
                         continue
                     ray_direction(frame, tangents[k], pattern, ray, d)
                     if meets_mesh(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.geometry.bvh import Bvh
+from igrip.geometry.within import BALLS
 from igrip.objects.model import ObjectModel
 
 Array = NDArray[np.float64]
@@ -23,7 +24,7 @@ class Packed(NamedTuple):
         The models by name, and the number of each in what follows.
     bvh, vertices : Bvh
         Trees of their triangles and of their vertices.
-    starts, spheres, axes, origins : arrays
+    starts, spheres, balls, axes, origins : arrays
         As :func:`igrip.geometry.kernel.measure` reads them.
     half_lengths : (m,)
         Of their bounding cylinders [m].
@@ -37,6 +38,7 @@ class Packed(NamedTuple):
     vertices: Bvh
     starts: NDArray[np.int64]
     spheres: Array
+    balls: Array
     axes: Array
     origins: Array
     half_lengths: Array
@@ -55,6 +57,7 @@ def pack(models: dict[str, ObjectModel]) -> Packed:
         vertices=vertices,
         starts=np.concatenate([triangle_starts, vertex_starts], axis=1),
         spheres=np.array([model.sphere for model in models.values()]).reshape(-1, 4),
+        balls=np.array([model.balls for model in models.values()]).reshape(-1, BALLS, 4),
         axes=np.array(frames).reshape(-1, 3, 3),
         origins=np.array([model.origin for model in models.values()]).reshape(-1, 3),
         half_lengths=np.array([0.5 * model.length for model in models.values()]),

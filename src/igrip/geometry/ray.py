@@ -96,6 +96,34 @@ def meets_mesh(
 
 
 @kernel
+def count_hits(boxes, links, leaves, node0, leaf0, px, py, pz, dx, dy, dz, stack):
+    """Count the triangles that a ray meets; the parameters are those of :func:`cast_ray`."""
+    ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
+    stack[0] = 0
+    top = 1
+    hits = 0
+    while top > 0:
+        top -= 1
+        node = node0 + stack[top]
+        for child in range(2):
+            entry = _box_entry(boxes, node, 6 * child, px, py, pz, ix, iy, iz, np.inf)
+            if entry == np.inf:
+                continue
+            link = links[node, child]
+            if link >= 0:
+                stack[top] = link
+                top += 1
+                continue
+            code = -1 - link
+            first = leaf0 + (code >> LEAF_BITS)
+            for k in range(first, first + (code & LEAF_MASK)):
+                hit, _, _ = _ray_triangle(leaves, k, px, py, pz, dx, dy, dz)
+                if hit:
+                    hits += 1
+    return hits
+
+
+@kernel
 def cast_ray(
     boxes, links, leaves, node0, leaf0, px, py, pz, dx, dy, dz, stack, counters
 ):  # fmt: skip

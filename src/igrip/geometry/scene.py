@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -182,14 +181,14 @@ class Scene:
         distances = np.empty((3, len(hands), count))
         centre_rates, axial = np.empty((len(hands), count)), np.empty((len(hands), count))
         kernel.measure(
-            packed.bvh, packed.vertices, packed.starts, packed.spheres, packed.axes, packed.origins,
+            packed.bvh, packed.vertices, packed.starts, packed.spheres, packed.balls,
+            packed.axes, packed.origins,
             models, *poses, centres, velocities,
             positions, _rows([hand.velocity for hand in hands]),
             futures, _rows([hand.future_velocity for hand in hands]),
             self._pattern, self._cone, hits, distances, centre_rates, axial, self.counters,
         )  # fmt: skip
 
-        @cache
         def surfaces() -> Array:
             out = np.empty((2, len(hands), count))
             kernel.surfaces(
@@ -197,7 +196,6 @@ class Scene:
             )
             return out
 
-        @cache
         def cylinders() -> Array:
             out = np.empty((count, cylinder.WIDTH))
             cylinder.place_cylinders(
@@ -205,6 +203,7 @@ class Scene:
             )
             return out
 
+        both, solids = _Once(surfaces), _Once(cylinders)
         half_lengths, spread = packed.half_lengths[models], kernel.spread(centres)
         return [
             Geometry(
@@ -217,8 +216,8 @@ class Scene:
                 axial=axial[h],
                 half_length=half_lengths,
                 spread=spread,
-                surfaces=lambda h=h: surfaces()[:, h],  # type: ignore[misc]
-                cylinders=cylinders,
+                surfaces=lambda h=h: both()[:, h],  # type: ignore[misc]
+                cylinders=solids,
             )
             for h in range(len(hands))
         ]
@@ -265,6 +264,19 @@ class Scene:
             self._pattern, self._cone, directions, lengths,
         )  # fmt: skip
         return directions, lengths
+
+
+class _Once:
+    """Work that is done when first asked for; ``functools.cache`` takes longer to set up."""
+
+    def __init__(self, work: Callable[[], Array]) -> None:
+        self._work = work
+        self._done: Array | None = None
+
+    def __call__(self) -> Array:
+        if self._done is None:
+            self._done = self._work()
+        return self._done
 
 
 def ray_pattern(rays: int) -> Array:

@@ -18,7 +18,7 @@ from igrip.motion import low_pass
 from igrip.motion.low_pass import smoothing
 from igrip.settings import Settings, quantity
 
-__all__ = ["OneEuroConfig", "OrientationFilter", "PositionFilter", "smoothing"]
+__all__ = ["OneEuroConfig", "OrientationFilter", "PoseFilter", "PositionFilter", "smoothing"]
 
 
 class OneEuroConfig(Settings):
@@ -36,6 +36,8 @@ class _Filter:
 
     Attributes
     ----------
+    parameters : (3,) float64
+        Cutoff at rest [Hz], its growth, cutoff of the derivative [Hz].
     state : (11,) float64
         As :mod:`igrip.motion.low_pass` lays it out.
     begun : bool
@@ -43,7 +45,7 @@ class _Filter:
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
-        self._parameters = np.array([config.min_cutoff, config.beta, config.derivative_cutoff])
+        self.parameters = np.array([config.min_cutoff, config.beta, config.derivative_cutoff])
         self.state: NDArray[np.float64] = np.zeros(low_pass.STATE)
         self.begun = False
 
@@ -84,7 +86,7 @@ class PositionFilter(_Filter):
         if not self.begun:
             self._begin(t, position)
             return position
-        low_pass.step_position(self.state, t, *position, self._parameters)
+        low_pass.step_position(self.state, t, *position, self.parameters)
         x, y, z = self.state[:3].tolist()
         return (x, y, z)
 
@@ -108,6 +110,31 @@ class OrientationFilter(_Filter):
         if not self.begun:
             self._begin(t, (x, y, z, w))
             return (x, y, z, w)
-        low_pass.step_orientation(self.state, t, x, y, z, w, self._parameters)
+        low_pass.step_orientation(self.state, t, x, y, z, w, self.parameters)
         x, y, z, w = self.state[:4].tolist()
         return (x, y, z, w)
+
+
+class PoseFilter:
+    """A :class:`PositionFilter` and an :class:`OrientationFilter`, stepped in one call.
+
+    Parameters
+    ----------
+    position, orientation : OneEuroConfig
+        Their parameters.
+    """
+
+    def __init__(self, position: OneEuroConfig, orientation: OneEuroConfig) -> None:
+        self.position = PositionFilter(position)
+        self.orientation = OrientationFilter(orientation)
+
+    def update(self, t: float, position: Vector, orientation: Quaternion) -> None:
+        """Take a pose measured at ``t`` [s], later than the last."""
+        if not self.position.begun:
+            self.position.update(t, position)
+            self.orientation.update(t, orientation)
+            return
+        low_pass.step_pose(
+            self.position.state, self.orientation.state, t, *position, *orientation,
+            self.position.parameters, self.orientation.parameters,
+        )  # fmt: skip

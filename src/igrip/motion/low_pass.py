@@ -84,6 +84,14 @@ def step_orientation(state, t, x, y, z, w, parameters):
 
 
 @kernel
+def step_pose(position, orientation, t, x, y, z, qx, qy, qz, qw, of_position, of_orientation):
+    """Take both steps in one call; the quaternion need not be of unit length."""
+    step_position(position, t, x, y, z, of_position)
+    n = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
+    step_orientation(orientation, t, qx / n, qy / n, qz / n, qw / n, of_orientation)
+
+
+@kernel
 def place(position, orientation, local, still, out):
     """Write a filtered pose as matrices, with a point of the object and its velocity.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -99,4 +101,16 @@ def follow(coefficients: Array, steps: Array, future: Array, velocity: Array) ->
             future[k, axis] = c0 + s * (c1 + s * c2)
             velocity[k, axis] = c1 + 2.0 * s * c2
     speed: float = np.sqrt(speed2)
+    return speed
+
+
+@kernel
+def predict(
+    times: Array, positions: Array, steps: Array,
+    coefficients: Array, future: Array, velocity: Array,
+) -> float:  # fmt: skip
+    """Fit, then follow, in one call: :func:`fit_quadratic`, :func:`follow`; NaN: not determined."""
+    if not fit_quadratic(times, positions, coefficients):
+        return math.nan
+    speed: float = follow(coefficients, steps, future, velocity)
     return speed

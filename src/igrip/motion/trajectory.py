@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
-from igrip.motion.quadratic import fit_quadratic, follow
+from igrip.motion.quadratic import predict
 from igrip.motion.reach import Reach, ReachConfig, ReachDetector
 from igrip.settings import Settings, quantity
 
@@ -111,10 +112,13 @@ class Trajectory:
         self._append(t, filtered)
         coefficients = np.empty((3, 3))
         first, end = self._first, self._end
-        if not fit_quadratic(self._times[first:end], self._positions[first:end], coefficients):
-            return None
         future, future_velocity = np.empty((2, len(self._steps), 3))
-        speed = follow(coefficients, self._steps, future, future_velocity)
+        speed = predict(
+            self._times[first:end], self._positions[first:end], self._steps,
+            coefficients, future, future_velocity,
+        )  # fmt: skip
+        if math.isnan(speed):
+            return None
         peak = max(self._speeds[first : end - 1].tolist(), default=-1.0)
         self._speeds[end - 1] = speed
         return Motion(

@@ -27,7 +27,10 @@ YCB = "ycb"
 PAPER_OBJECTS = (
     "003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser",
 )  # fmt: skip
-_CACHED_BY = ("objects/model.py", "objects/sources.py", "geometry/bvh.py")
+_CACHED_BY = (
+    "objects/model.py", "objects/sources.py", "geometry/bvh.py", "geometry/within.py",
+    "geometry/ray.py", "geometry/nearest.py",
+)  # fmt: skip
 
 
 class Catalog(Mapping[str, ObjectModel]):
@@ -167,7 +170,7 @@ def _builder_digest() -> str:
 
 _TREES = ("bvh", "vertex_tree")
 _SCALARS = ("length", "radius")
-_ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere")
+_ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "balls")
 
 
 def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:

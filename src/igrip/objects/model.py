@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from igrip.errors import ObjectsError
 from igrip.geometry.bvh import Bvh, build_bvh, build_point_tree
+from igrip.geometry.within import inner_balls
 
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "cylinder", "box"]
@@ -39,6 +40,8 @@ class ObjectModel:
         Centre and radius of a sphere that holds the mesh.
     symmetry : str
         ``none``, ``cylinder`` (any turn about z) or ``box`` (half turns about x, y, z).
+    balls : (8, 4)
+        Centres and radii of balls inside it, see :func:`igrip.geometry.within.inner_balls`.
     bvh, vertex_tree : Bvh
         Trees of its triangles and of the vertices they use.
     """
@@ -51,6 +54,7 @@ class ObjectModel:
     length: float
     radius: float
     sphere: Array
+    balls: Array
     symmetry: Symmetry
     bvh: Bvh
     vertex_tree: Bvh
@@ -103,6 +107,7 @@ def build_model(
     if not len(faces):
         raise ObjectsError(f"{name}: every face of the mesh is degenerate")
     used = np.unique(faces)
+    bvh = build_bvh(vertices, faces)
     hull = _hull_points(vertices[used])
     frame, length, radius = _cylinder(hull, axis)
     middle = 0.5 * (hull.min(axis=0) + hull.max(axis=0))
@@ -116,8 +121,9 @@ def build_model(
         length=length,
         radius=radius,
         sphere=np.append(middle, reach * (1.0 + 1e-6) + 1e-9),
+        balls=inner_balls(vertices, np.asarray(mesh.faces), bvh),
         symmetry=symmetry,
-        bvh=build_bvh(vertices, faces),
+        bvh=bvh,
         vertex_tree=build_point_tree(vertices[used]),
     )
 

@@ -11,7 +11,7 @@ from igrip.entities import ObjectPose
 from igrip.errors import ObjectsError, UnknownModelError
 from igrip.health import Gate, HealthConfig
 from igrip.motion import low_pass
-from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter
+from igrip.motion.filters import OneEuroConfig, PoseFilter
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.settings import Settings, quantity
@@ -67,15 +67,14 @@ class ObjectTrack:
         self._reset()
 
     def _reset(self) -> None:
-        self._position = PositionFilter(self._config.position)
-        self._orientation = OrientationFilter(self._config.orientation)
+        self._filter = PoseFilter(self._config.position, self._config.orientation)
 
     @property
     def reason(self) -> str | None:
         """Why the object cannot be used, in words; None if it can."""
         if self._no_model is not None:
             return self._no_model
-        if not self._position.begun:
+        if not self._filter.position.begun:
             return self._refusal or "not seen yet"
         return self._refusal or "not seen for too long" if self._late else None
 
@@ -112,8 +111,7 @@ class ObjectTrack:
             self._reset()
         self._static = pose.static
         self._delay = min(max(0.0, now - self.gate.newest), USUAL_DELAY)
-        self._position.update(self.gate.newest, pose.position)
-        self._orientation.update(self.gate.newest, pose.orientation)
+        self._filter.update(self.gate.newest, pose.position, pose.orientation)
 
     def miss(self, now: float) -> None:
         """Note that the object was looked for and not seen: a static one begins to age."""
@@ -144,5 +142,6 @@ class ObjectTrack:
         """
         out = np.empty((6, 3))
         still = math.inf if self._static else self._config.still_speed
-        low_pass.place(self._position.state, self._orientation.state, point, still, out)
+        kept = self._filter
+        low_pass.place(kept.position.state, kept.orientation.state, point, still, out)
         return out
