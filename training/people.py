@@ -17,6 +17,7 @@ from training.moments import THINGS, Recording, catalog
 FOLDS, KEPT_BACK, VALIDATION = 5, 1, 0
 LEARNED_FROM = tuple(k for k in range(FOLDS) if k != KEPT_BACK)
 EACH = 160  # reaches of each person
+NOISES = (0.0, 0.0005, 0.001, 0.002, 0.004, 0.004, 0.006)  # of the sensor, each axis [m]
 
 
 def fold(participant: str) -> int:
@@ -52,7 +53,7 @@ def record(reach: Reach, seed: int) -> Recording:
     rest = round(float(random.choice([0.0, 0.0, 0.5, 1.0, 1.5])) * rate) / rate
     options = ImportOptions(
         mesh=THINGS[int(random.integers(len(THINGS)))], rate=rate, rest=rest,
-        noise=float(random.choice([0.001, 0.002, 0.004, 0.004, 0.006])), seed=seed,
+        noise=float(random.choice(NOISES)), seed=seed,
     )  # fmt: skip
     told = Recording(
         person=reach.participant, kind="near" if reach.extra["distance"] == "near" else "far",

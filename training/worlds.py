@@ -20,6 +20,8 @@ from igrip.simulation.table import set_table
 from training.moments import THINGS, Recording, catalog
 
 TRIALS = 10  # of each person
+COUNTS = (2, 2, 2, 3, 4, 4, 5, 6, 8, 10, 15, 30)  # objects on the table
+IMPAIRED = 1 / 3  # of the people (guess): all that is worse than usual in them is worse together
 NO_REACH = 1.5  # weight of hands that reach for nothing (guess)
 RATES = (15.0, 20.0, 30.0, 30.0, 30.0, 45.0, 60.0, 90.0, 120.0)
 
@@ -38,14 +40,20 @@ def draw_world(random: np.random.Generator) -> Cohort:
         rest_height=between(0.01, 0.2), palm_to_body=between(0.0, 0.12),
         palm_to_top=between(0.0, 0.12), simulated_short=between(0.0, 0.02),
     )  # fmt: skip
-    duration = math.exp(between(math.log(0.6), math.log(2.2)))
+    impaired = random.random() < IMPAIRED
+
+    def worse(low: float, high: float) -> float:
+        """Draw from the range of the healthy, or from half of it to half beyond it."""
+        return between(0.5 * high, 1.5 * high) if impaired else between(low, high)
+
+    duration = math.exp(worse(math.log(0.6), math.log(2.2)))
     person = Person(
         duration=duration, duration_between=between(0.06, 0.2) * duration,
         duration_within=between(0.06, 0.15) * duration,
-        peak_time=between(0.34, 0.52), lift=between(0, 0.12), curvature=between(-0.05, 0.2),
-        curvature_within=between(0.01, 0.1), aim_error=between(0, 0.06),
-        end_error=between(0.003, 0.015), submovements=between(0, 2.5), undershoot=between(0, 0.35),
-        tremor=between(0.0002, 0.0015), sway=between(0.001, 0.004), hesitation=between(0, 0.1),
+        peak_time=between(0.34, 0.52), lift=between(0, 0.12), curvature=worse(-0.05, 0.2),
+        curvature_within=worse(0.01, 0.1), aim_error=worse(0, 0.06),
+        end_error=worse(0.003, 0.015), submovements=worse(0, 2.5), undershoot=worse(0, 0.35),
+        tremor=worse(0.0002, 0.0015), sway=worse(0.001, 0.004), hesitation=worse(0, 0.1),
         change_of_mind=between(0, 0.08), change_at=between(0.25, 0.45),
     )  # fmt: skip
     camera = Camera(
@@ -71,8 +79,8 @@ def simulate_person(seed: int, number: int) -> list[Recording]:
 
 
 def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator) -> Recording:
-    count = int(random.choice([2, 2, 2, 3, 4, 4, 5, 6, 8, 10]))
-    names = random.choice(len(THINGS), count, replace=False)
+    count = int(random.choice(COUNTS))
+    names = random.choice(len(THINGS), count, replace=count > len(THINGS))
     models = {f"o{k}": catalog()[THINGS[name]] for k, name in enumerate(names)}
     protocol = world.protocol
     room = protocol.table_width * (protocol.table_far - protocol.table_near)

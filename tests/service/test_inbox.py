@@ -16,6 +16,19 @@ def test_the_newest_stay_and_every_loss_is_counted():
     assert inbox.report() == {"taken": 10, "pushed_out": 6, "waiting": 0}
 
 
+def test_who_floods_crowds_out_nobody_else():
+    inbox = Inbox(most=8)
+    for k in range(3):
+        inbox.put(("quiet", k), sender="quiet")
+    for k in range(100):
+        inbox.put(("loud", k), sender="loud")
+    inbox.put(("quiet", 3), sender="quiet")
+    left = [inbox.get(0.0) for _ in range(8)]
+    assert [k for who, k in left if who == "quiet"] == [0, 1, 2, 3]
+    assert [k for who, k in left if who == "loud"] == [96, 97, 98, 99]
+    assert inbox.report() == {"taken": 104, "pushed_out": 96, "waiting": 0}
+
+
 def test_one_that_waits_loses_nothing():
     inbox = Inbox(most=2)
 

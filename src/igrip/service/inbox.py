@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import Counter, deque
+from collections.abc import Hashable
 from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
@@ -15,7 +16,8 @@ class Inbox(Generic[T]):
     Parameters
     ----------
     most : int
-        How many may wait. One more pushes out the oldest, or waits itself (``put(wait=True)``).
+        How many may wait. One more pushes out the oldest of the sender that has most waiting, so
+        that one that floods crowds out itself alone; or it waits (``put(wait=True)``).
 
     Attributes
     ----------
@@ -25,23 +27,36 @@ class Inbox(Generic[T]):
 
     def __init__(self, most: int = 256) -> None:
         self._most = most
-        self._items: deque[T] = deque()
+        self._items: deque[tuple[Hashable, T]] = deque()
+        self._waiting: Counter[Hashable] = Counter()  # of each sender
         self._first: deque[T] = deque(maxlen=most)
         self._change = threading.Condition()
         self._closed = False
         self.counts: Counter[str] = Counter()
 
-    def put(self, item: T, wait: bool = False) -> None:
-        """Add an item; where there is no room, wait for some or push out the oldest."""
+    def put(self, item: T, wait: bool = False, sender: Hashable = None) -> None:
+        """Add an item; where there is no room, wait for some or push out another."""
         with self._change:
             if wait:
                 self._change.wait_for(lambda: len(self._items) < self._most or self._closed)
             elif len(self._items) >= self._most:
-                self._items.popleft()
-                self.counts["pushed_out"] += 1
-            self._items.append(item)
+                self._push_out()
+            self._items.append((sender, item))
+            self._waiting[sender] += 1
             self.counts["taken"] += 1
             self._change.notify_all()
+
+    def _push_out(self) -> None:
+        greediest = max(self._waiting, key=lambda sender: self._waiting[sender])
+        place = next(k for k, (sender, _) in enumerate(self._items) if sender == greediest)
+        del self._items[place]
+        self._gone(greediest)
+        self.counts["pushed_out"] += 1
+
+    def _gone(self, sender: Hashable) -> None:
+        self._waiting[sender] -= 1
+        if not self._waiting[sender]:
+            del self._waiting[sender]
 
     def put_first(self, item: T) -> None:
         """Add an item that overtakes all others, and that none pushes out."""
@@ -57,7 +72,8 @@ class Inbox(Generic[T]):
                 return self._first.popleft()
             if not self._items:
                 return None
-            item = self._items.popleft()
+            sender, item = self._items.popleft()
+            self._gone(sender)
             self._change.notify_all()
             return item
 

@@ -59,7 +59,7 @@ class Service:
         if isinstance(message, Control):
             self.inbox.put_first((self._clock(), message, sender))
         else:
-            self.inbox.put((self._clock(), message, sender), wait)
+            self.inbox.put((self._clock(), message, sender), wait, sender)
 
     def run(self, report: float | None = None) -> None:
         """Work until the inbox is closed and empty."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.geometry import cylinder
-from igrip.motion import reach
+from igrip.motion import noise, reach
 
 Array = NDArray[np.float64]
 LOCAL = (
@@ -27,7 +27,7 @@ LOCAL = (
 SHARED = (
     "speed_of_peak", "speed_time_covered", "braking_time", "path_excess", "peak_when",
     "speed_since_quarter", "speed_since_half", "half_of_quarter", "speed_since_three_quarters",
-    "bend_since_half",
+    "bend_since_half", "noise_of_way",
 )  # fmt: skip
 """Of the movement, whatever the object."""
 AHEAD = 0.12  # s, guess
@@ -64,7 +64,7 @@ def describe(state, points, now, cylinders, local, shared):
         Of a :class:`igrip.motion.reach.Reach` of a hand that moves.
     cylinders : (o, 11)
         As :mod:`igrip.geometry.cylinder` lays them out.
-    local : (o, 22), shared : (10,), written
+    local : (o, 22), shared : (11,), written
         In the order of :data:`LOCAL` and :data:`SHARED`.
     """
     p, v, a = now[:3], now[3:6], now[6:9]
@@ -93,6 +93,7 @@ def describe(state, points, now, cylinders, local, shared):
     shared[7] = (t - half[0]) / (t - quarter[0] + 1e-3)
     shared[8] = speed * (t - last[0]) / covered
     shared[9] = gain * (t - half[0]) ** 2 / covered
+    shared[10] = math.sqrt(state[reach.NOISE + noise.VARIANCE]) / covered
     for k in range(len(shared)):
         shared[k] = _bounded(shared[k])
     ahead, aim = np.empty(3), np.empty(3)
