@@ -1,0 +1,1 @@
+"""Cameras: each yields :class:`igrip.rgbd.RgbdFrame`; found by the form of a name."""

@@ -1,0 +1,1 @@
+"""From pictures to where hands and objects are."""

@@ -1,0 +1,1 @@
+"""Hand finders: from a picture to the landmarks of hands, found by name."""

@@ -1,0 +1,1 @@
+"""Pose finders: from a frame to the poses of the catalogue's objects, found by name."""
