@@ -1,0 +1,130 @@
+"""What is seen and decided, drawn over the camera's picture (paper: Figure 4A)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.errors import MissingExtraError
+from igrip.geometry.scene import Placed
+from igrip.intention import Intention
+from igrip.rgbd import RgbdFrame
+from igrip.words import describe
+
+Array = NDArray[np.float64]
+BONES = (
+    (0, 1), (1, 2), (2, 3), (3, 4), (0, 5), (5, 6), (6, 7), (7, 8), (5, 9), (9, 10), (10, 11),
+    (11, 12), (9, 13), (13, 14), (14, 15), (15, 16), (13, 17), (17, 18), (18, 19), (19, 20),
+    (0, 17),
+)  # fmt: skip
+PALM = (0, 5, 17)  # their mean is the palm centre (the paper's, SPEC)
+HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
+OTHER, OUTLINE, TARGET, INK, PAPER = (
+    (120, 120, 120), (240, 200, 70), (60, 200, 90), (255, 255, 255), (30, 30, 30),
+)  # fmt: skip
+NEAREST = 0.05  # m ahead of the camera; what is nearer has no outline
+
+
+def draw_overlay(
+    frame: RgbdFrame,
+    landmarks: Mapping[str, Array],
+    objects: Sequence[Placed],
+    intentions: Sequence[Intention],
+    width: int = 640,
+) -> NDArray[np.uint8]:
+    """Draw landmarks, outlines of objects, targets and grips over a frame's colours.
+
+    Parameters
+    ----------
+    frame : RgbdFrame
+        Where they were seen.
+    landmarks : mapping of str to (21, 2)
+        Of each hand [pixels].
+    objects : sequence of Placed
+        World frame.
+    intentions : sequence of Intention
+        The newest of each hand.
+    width : int
+        Of the picture that is returned [pixels].
+
+    Raises
+    ------
+    MissingExtraError
+        If OpenCV is not installed.
+    """
+    try:
+        import cv2
+    except ImportError as error:
+        raise MissingExtraError("opencv-python-headless", "hands", "the overlay") from error
+    scale = width / frame.intrinsics.width
+    size = (width, max(1, round(scale * frame.intrinsics.height)))
+    picture = cv2.resize(frame.colour, size, interpolation=cv2.INTER_AREA)
+    targets = {i.target for i in intentions if i.target and i.status in ("reaching", "holding")}
+    for placed in objects:
+        outline = outline_of(frame, placed)
+        if outline is None:
+            continue
+        chosen = placed.id in targets
+        corners = np.round(scale * outline).astype(np.int32)
+        colour = TARGET if chosen else OUTLINE
+        cv2.polylines(picture, [corners], True, colour, 3 if chosen else 1, cv2.LINE_AA)
+        _write(cv2, picture, placed.id, corners[np.argmin(corners[:, 1])] - [0, 6], colour)
+    by_hand = {intention.hand: intention for intention in intentions}
+    for id, points in landmarks.items():
+        _draw_hand(cv2, picture, id, scale * points, by_hand.get(id))
+    drawn: NDArray[np.uint8] = picture
+    return drawn
+
+
+def outline_of(frame: RgbdFrame, placed: Placed) -> Array | None:
+    """Return the convex outline of an object in the picture, (n, 2) pixels.
+
+    None where it is not wholly ahead of the camera, or not in the picture at all.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    world = placed.model.vertices @ placed.rotation.T + placed.translation
+    camera = np.linalg.inv(frame.world_from_camera)
+    points = world @ camera[:3, :3].T + camera[:3, 3]
+    if points[:, 2].min() < NEAREST:
+        return None
+    pixels = frame.intrinsics.pixels(points)
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    size = np.array([frame.intrinsics.width, frame.intrinsics.height])
+    if (high < 0.0).any() or (low > size).any():
+        return None
+    try:
+        return np.asarray(pixels[ConvexHull(pixels).vertices])
+    except QhullError:  # seen edge on, or one pixel in all
+        return None
+
+
+def _draw_hand(
+    cv2: Any, picture: NDArray[np.uint8], id: str, points: Array, intention: Intention | None
+) -> None:
+    colour = HANDS.get(id.rpartition("/")[2], OTHER)
+    corners = np.round(points).astype(int).tolist()
+    for a, b in BONES:
+        cv2.line(picture, corners[a], corners[b], colour, 2, cv2.LINE_AA)
+    for corner in corners:
+        cv2.circle(picture, corner, 3, INK, -1, cv2.LINE_AA)
+    palm = np.round(points[list(PALM)].mean(axis=0)).astype(int)
+    cv2.circle(picture, palm.tolist(), 6, colour, -1, cv2.LINE_AA)
+    told = id if intention is None else describe(intention)
+    _write(cv2, picture, told, palm + [10, -10], colour)
+
+
+def _write(
+    cv2: Any, picture: NDArray[np.uint8], text: str, at: Array, colour: tuple[int, int, int]
+) -> None:
+    """Write a line within the picture; on dark, so that it can be read on anything."""
+    text = text.encode("ascii", "replace").decode()[:90]
+    font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.45
+    (wide, high), below = cv2.getTextSize(text, font, size, 1)
+    x = int(np.clip(at[0], 0, max(0, picture.shape[1] - wide)))
+    y = int(np.clip(at[1], high, picture.shape[0] - below))
+    cv2.rectangle(picture, (x, y - high - 2), (x + wide, y + below), PAPER, -1)
+    cv2.putText(picture, text, (x, y), font, size, colour, 1, cv2.LINE_AA)
