@@ -1,0 +1,198 @@
+"""Frames of a camera as the messages that Foxglove and other readers of MCAP know, and back.
+
+Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 bits. Both belong to
+one ``foxglove.CameraCalibration``, and the camera stands in the world by a
+``foxglove.FrameTransform``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from igrip.errors import MissingExtraError, RecordingError
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
+
+WORLD = "world"
+DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
+JPEG_QUALITY = 90
+
+
+class Schema(NamedTuple):
+    """A kind of protobuf message and the description of it that goes into the file."""
+
+    name: str
+    description: bytes
+    message: Any
+
+
+@cache
+def schema(name: str) -> Schema:
+    """Return one of Foxglove's kinds of message, for example ``CompressedImage``.
+
+    Raises
+    ------
+    MissingExtraError
+        If the package is not installed.
+    """
+    try:
+        from google.protobuf.descriptor_pb2 import FileDescriptorSet
+
+        module = __import__(f"foxglove_schemas_protobuf.{name}_pb2", fromlist=[name])
+    except ImportError:
+        raise MissingExtraError("foxglove-schemas-protobuf", "mcap", "MCAP recordings") from None
+    message = getattr(module, name)
+    files: dict[str, Any] = {}
+
+    def collect(file: Any) -> None:
+        """Add a file after those it builds on."""
+        for other in file.dependencies:
+            if other.name not in files:
+                collect(other)
+        files[file.name] = file
+
+    collect(message.DESCRIPTOR.file)
+    described = FileDescriptorSet()
+    for file in files.values():
+        file.CopyToProto(described.file.add())
+    return Schema(message.DESCRIPTOR.full_name, described.SerializeToString(), message)
+
+
+def _cv2() -> Any:
+    try:
+        import cv2
+    except ImportError:
+        raise MissingExtraError("opencv-python-headless", "mcap", "pictures in MCAP") from None
+    return cv2
+
+
+def nanoseconds(t: float) -> int:
+    """Return a time in whole nanoseconds, as MCAP keeps it: 0 to 2^64 - 1."""
+    return min(max(round(t * 1e9), 0), 2**64 - 1)
+
+
+def _stamp(message: Any, t: float) -> Any:
+    ns = min(nanoseconds(t), 253402300799 * 10**9)  # the last moment protobuf knows
+    message.timestamp.seconds, message.timestamp.nanos = divmod(ns, 10**9)
+    return message
+
+
+def encode_colour(frame: RgbdFrame, lossless: bool = False, quality: int = JPEG_QUALITY) -> bytes:
+    """Return the colour picture of a frame as a message."""
+    cv2 = _cv2()
+    bgr = cv2.cvtColor(frame.colour, cv2.COLOR_RGB2BGR)
+    options = [cv2.IMWRITE_PNG_COMPRESSION, 1] if lossless else [cv2.IMWRITE_JPEG_QUALITY, quality]
+    _, data = cv2.imencode(".png" if lossless else ".jpg", bgr, options)
+    return _picture(frame, data, "png" if lossless else "jpeg")
+
+
+def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
+    """Return the depth of a frame as a message; what does not fit into 16 bits becomes 0."""
+    assert frame.depth is not None
+    cv2 = _cv2()
+    counts = np.rint(frame.depth * np.float32(1.0 / unit))
+    with np.errstate(invalid="ignore"):  # NaN is not measured either
+        counts = np.where((counts > 0) & (counts <= 65535), counts, 0).astype(np.uint16)
+    options = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_SUB]
+    _, data = cv2.imencode(".png", counts, options)
+    return _picture(frame, data, "png")
+
+
+def _picture(frame: RgbdFrame, data: NDArray[np.uint8], form: str) -> bytes:
+    message = _stamp(schema("CompressedImage").message(), frame.t)
+    message.frame_id, message.data, message.format = frame.camera, data.tobytes(), form
+    return bytes(message.SerializeToString())
+
+
+def encode_calibration(frame: RgbdFrame) -> bytes:
+    """Return the intrinsics of a frame as a message."""
+    message = _stamp(schema("CameraCalibration").message(), frame.t)
+    own = frame.intrinsics
+    message.frame_id, message.width, message.height = frame.camera, own.width, own.height
+    message.distortion_model = "plumb_bob"
+    message.D.extend([0.0] * 5)
+    message.K.extend(own.matrix.ravel().tolist())
+    message.R.extend(np.eye(3).ravel().tolist())
+    message.P.extend(np.column_stack([own.matrix, np.zeros(3)]).ravel().tolist())
+    return bytes(message.SerializeToString())
+
+
+def encode_place(frame: RgbdFrame) -> bytes:
+    """Return where the camera of a frame stands as a message."""
+    message = _stamp(schema("FrameTransform").message(), frame.t)
+    message.parent_frame_id, message.child_frame_id = WORLD, frame.camera
+    x, y, z = frame.world_from_camera[:3, 3].tolist()
+    message.translation.x, message.translation.y, message.translation.z = x, y, z
+    a, b, c, w = Rotation.from_matrix(frame.world_from_camera[:3, :3]).as_quat().tolist()
+    turn = message.rotation
+    turn.x, turn.y, turn.z, turn.w = a, b, c, w
+    return bytes(message.SerializeToString())
+
+
+def decode_picture(data: bytes) -> NDArray[Any]:
+    """Return the picture of a message: (h, w, 3) uint8 red, green, blue, or (h, w) uint16.
+
+    Raises
+    ------
+    RecordingError
+        If it holds none.
+    """
+    cv2 = _cv2()
+    message = _parse("CompressedImage", data)
+    try:
+        raw = np.frombuffer(message.data, np.uint8)
+        picture = cv2.imdecode(raw, cv2.IMREAD_UNCHANGED) if raw.size else None
+    except cv2.error:
+        picture = None
+    if picture is None:
+        raise RecordingError("data: is no picture")
+    if picture.ndim == 3 and picture.shape[2] == 3 and picture.dtype == np.uint8:
+        return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB))
+    if picture.ndim == 2 and picture.dtype == np.uint16:
+        return np.asarray(picture)
+    raise RecordingError(f"data: is neither colour nor depth: {picture.shape} {picture.dtype}")
+
+
+def decode_calibration(data: bytes) -> Intrinsics:
+    """Return the intrinsics of a message.
+
+    Raises
+    ------
+    RecordingError
+        If it holds none, or distortion: frames are rectified.
+    """
+    message = _parse("CameraCalibration", data)
+    k = list(message.K)
+    if len(k) != 9 or not np.isfinite(k).all() or min(k[0], k[4]) <= 0.0:
+        raise RecordingError("K: must be a camera matrix of 9 numbers")
+    if any(message.D):
+        raise RecordingError("D: the pictures are distorted; rectify them first")
+    if message.width < 1 or message.height < 1:
+        raise RecordingError("width, height: must be at least 1")
+    return Intrinsics(message.width, message.height, k[0], k[4], k[2], k[5])
+
+
+def decode_place(data: bytes) -> tuple[str, Array]:
+    """Return which camera a message is about, and its world_from_camera, shape (4, 4)."""
+    message = _parse("FrameTransform", data)
+    at, turn = message.translation, message.rotation
+    place = np.eye(4)
+    place[:3, 3] = at.x, at.y, at.z
+    quaternion = np.array([turn.x, turn.y, turn.z, turn.w])
+    if not np.isfinite(place).all() or not 0.5 < np.linalg.norm(quaternion) < 2.0:
+        raise RecordingError("rotation: must be a unit quaternion, and the translation finite")
+    place[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    return str(message.child_frame_id), place
+
+
+def _parse(kind: str, data: bytes) -> Any:
+    from google.protobuf.message import DecodeError
+
+    try:
+        return schema(kind).message.FromString(data)
+    except DecodeError as error:
+        raise RecordingError(f"is no {kind}: {error}") from None

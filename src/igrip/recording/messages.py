@@ -1,0 +1,110 @@
+"""What an MCAP recording holds beside observations and intentions: events and detections."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+
+from igrip.entities import ObjectPose
+from igrip.intention import Intention
+from igrip.observation import Observation
+
+OBSERVATIONS, INTENTIONS = "/observations", "/intentions"
+EVENTS, DETECTIONS = "/events", "/detections"
+
+
+class Event(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that happened: a camera that stopped, a button, a trial that began.
+
+    Parameters
+    ----------
+    t : float
+        When, on the clock of the messages [s].
+    name : str
+        What.
+    data : dict, optional
+        More about it, as JSON knows it.
+    """
+
+    t: float
+    name: str
+    data: dict[str, Any] = {}
+
+    def to_json(self) -> bytes:
+        """Return one line of JSON, without a line break."""
+        return msgspec.json.encode(self)
+
+
+class DetectedHand(msgspec.Struct, frozen=True, kw_only=True):
+    """A hand in a picture.
+
+    Parameters
+    ----------
+    landmarks : list of 2 floats
+        In the picture [pixels], in the finder's order.
+    score : float
+        The finder's confidence, 0 to 1.
+    label : str or None
+        The finder's guess of ``left`` or ``right``.
+    """
+
+    landmarks: list[tuple[float, float]]
+    score: float
+    label: str | None = None
+
+
+class Detections(msgspec.Struct, frozen=True, kw_only=True):
+    """What was found in one frame of one camera.
+
+    Parameters
+    ----------
+    t : float
+        Time of exposure of the frame [s].
+    camera : str
+        Whose frame.
+    hands : list of DetectedHand
+        The surest first.
+    objects : dict
+        Poses in the world frame by id; None: looked for and not there.
+    """
+
+    t: float
+    camera: str
+    hands: list[DetectedHand] = []
+    objects: dict[str, ObjectPose | None] = {}
+
+    def to_json(self) -> bytes:
+        """Return one line of JSON, without a line break."""
+        return msgspec.json.encode(self)
+
+
+Message = Observation | Intention | Event | Detections
+
+_TOPICS: Mapping[type[Any], str] = {
+    Observation: OBSERVATIONS,
+    Intention: INTENTIONS,
+    Event: EVENTS,
+    Detections: DETECTIONS,
+}
+
+
+def topic_of(message: Message) -> str:
+    """Return the topic a message belongs to."""
+    return _TOPICS[type(message)]
+
+
+def schema_of(topic: str) -> tuple[str, bytes]:
+    """Return name and JSON schema of the messages of a topic.
+
+    It says ``"type": "object"`` at its root, as readers such as Foxglove ask, and not only behind
+    a reference.
+    """
+    kind = next(kind for kind, name in _TOPICS.items() if name == topic)
+    if kind in (Observation, Intention):
+        schema = kind.json_schema()
+    else:
+        schema = msgspec.json.schema(kind)
+    root = schema["$defs"][schema["$ref"].rpartition("/")[2]]
+    return f"igrip.{kind.__name__}", msgspec.json.encode({**root, "$defs": schema["$defs"]})
