@@ -29,7 +29,7 @@ def test_a_recording_ends_the_stream_and_its_last_frame_is_seen():
     assert any(m.objects for m in messages)
     times = [m.t for m in messages]
     assert times == sorted(times)
-    assert hands[-1].hands["right"].t == pytest.approx(seen[-1].t - chain.merge._begin)
+    assert hands[-1].hands["right"].t == pytest.approx(seen[-1].t - chain.begin)
 
 
 def test_hands_come_at_their_rate_however_slow_objects_are():

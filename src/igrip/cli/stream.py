@@ -105,7 +105,7 @@ def stream(
         catalog = load_objects(*(objects or ["ycb"]))
         for model in preload or []:
             catalog[model]
-        _warm_up(config, catalog)
+        warm_up(config, catalog)
     estimator = Estimator(catalog, config)
     errors.print(f"commits for: {', '.join(assisted) if assisted else 'every hand'}")
     service = Service(estimator, lone if senders_clock is None else senders_clock)
@@ -148,7 +148,7 @@ def _serve(
     errors.print(f"ws://{address}:{server.port}", soft_wrap=True)
 
 
-def _warm_up(config: Config, catalog: Catalog) -> None:
+def warm_up(config: Config, catalog: Catalog) -> None:
     """Compile before the first message comes, on a scene of no importance."""
     model = next(iter(catalog), None)
     if model is None:

@@ -38,6 +38,15 @@ class Chain:
     clock : function
         The clock of the frames [s].
 
+    Attributes
+    ----------
+    begin : float
+        When the observations' times begin, on that clock [s].
+    frames : Meter
+        Ages of the frames as they come.
+    replaced : int
+        Results that newer ones replaced before they were merged.
+
     Raises
     ------
     CameraError
@@ -60,7 +69,8 @@ class Chain:
         self._over = False
         self.frames = Meter()
         self.replaced = 0
-        self.merge = Merge(clock())
+        self.begin = clock()
+        self._merge = Merge(self.begin)
         self._thread = threading.Thread(target=self._watch, name="igrip-camera", daemon=True)
 
     def __enter__(self) -> Chain:
@@ -77,15 +87,15 @@ class Chain:
     def __iter__(self) -> Iterator[Observation]:
         self._thread.start()
         while True:
-            found = self._next(max(0.0, TICK - self.merge.silent(self._clock())))
+            found = self._next(max(0.0, TICK - self._merge.silent(self._clock())))
             if self._error is not None:
                 raise self._error
             if found is not None:
-                yield self.merge.take(found, self._clock())
+                yield self._merge.take(found, self._clock())
             elif self._over:
                 return
-            if self.merge.silent(self._clock()) >= TICK:
-                yield self.merge.tick(self._clock())
+            if self._merge.silent(self._clock()) >= TICK:
+                yield self._merge.tick(self._clock())
 
     def close(self) -> None:
         """End everything; an iteration under way ends. From any thread."""

@@ -42,6 +42,8 @@ class Loop:
 
     Attributes
     ----------
+    estimator : Estimator
+        At work.
     latency : Meter
         From the exposure of a hand to the intention that follows from it.
     """
@@ -50,7 +52,7 @@ class Loop:
         self, estimator: Estimator, begin: float, recorder: Recorder | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
-        self._estimator, self._begin, self._recorder = estimator, begin, recorder
+        self.estimator, self._begin, self._recorder = estimator, begin, recorder
         self._clock = clock
         self._words: deque[Control] = deque(maxlen=64)
         self._lock = threading.Lock()
@@ -91,7 +93,7 @@ class Loop:
             if self._recorder is not None:
                 self._recorder.write(observation)
             begin = self._clock()
-            intentions = self._estimator.update(observation)
+            intentions = self.estimator.update(observation)
             now = self._clock()
             exposed = [h.t for h in observation.hands.values() if h is not None and h.t is not None]
             if exposed:
@@ -102,7 +104,7 @@ class Loop:
     def _say(self, control: Control) -> None:
         self.count(control.word)
         try:
-            self._tell(getattr(self._estimator, control.word)(control.hand), self._clock())
+            self._tell(getattr(self.estimator, control.word)(control.hand), self._clock())
         except IgripError:
             self.count("refused")
 

@@ -1,4 +1,4 @@
-"""The camera's picture on the page, beside the scene; drawn in a thread of its own, newest first."""
+"""The camera's picture on the page beside the scene, drawn in its own thread, newest first."""
 
 from __future__ import annotations
 

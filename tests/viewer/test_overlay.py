@@ -1,0 +1,72 @@
+"""The picture with what is seen and decided: where things are drawn, and in which colour."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from igrip.intention import Intention
+from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.viewer.overlay import OUTLINE, TARGET, draw_overlay, outline_of
+from support import BOX, placed
+
+SIZE = (640, 480)
+CAMERA = Intrinsics(*SIZE, 500.0, 500.0, 319.5, 239.5)
+
+
+def frame(world_from_camera=None):
+    picture = np.full((SIZE[1], SIZE[0], 3), 128, np.uint8)
+    where = np.eye(4) if world_from_camera is None else world_from_camera
+    return RgbdFrame(0.0, picture, None, CAMERA, world_from_camera=where)
+
+
+def box(shapes, at, id="thing"):
+    return placed(shapes[BOX], id, np.eye(3), np.asarray(at, float))
+
+
+def has(picture, colour, near=30):
+    return (np.abs(picture.astype(int) - colour).sum(axis=2) < near).any()
+
+
+def test_an_outline_is_the_projection_of_the_corners(shapes):
+    thing = box(shapes, (0.0, 0.0, 1.0))
+    outline = outline_of(frame(), thing)
+    x, y, z = thing.model.vertices.max(axis=0)
+    nearest = 1.0 - z
+    expected = [319.5 + 500.0 * x / nearest, 239.5 + 500.0 * y / nearest]
+    assert outline.max(axis=0) == pytest.approx(expected, abs=1e-6)
+
+
+def test_what_is_behind_the_camera_or_beside_the_picture_has_none(shapes):
+    assert outline_of(frame(), box(shapes, (0.0, 0.0, -1.0))) is None
+    assert outline_of(frame(), box(shapes, (0.0, 0.0, 0.05))) is None
+    assert outline_of(frame(), box(shapes, (9.0, 0.0, 1.0))) is None
+
+
+def test_the_camera_may_stand_anywhere(shapes):
+    shift = np.eye(4)
+    shift[:3, 3] = (1.0, 2.0, 3.0)
+    there = outline_of(frame(shift), box(shapes, (1.0, 2.0, 4.0)))
+    here = outline_of(frame(), box(shapes, (0.0, 0.0, 1.0)))
+    assert there == pytest.approx(here)
+
+
+def test_the_target_of_a_reach_is_drawn_in_its_own_colour(shapes):
+    thing = box(shapes, (0.0, 0.0, 1.0))
+    said = Intention(t=0.0, hand="right", status="reaching", target="thing", grip="palmar")
+    landmarks = {"right": np.random.default_rng(0).uniform(100, 300, (21, 2))}
+    plain = draw_overlay(frame(), {}, [thing], [])
+    assert plain.shape == (480, 640, 3)
+    assert has(plain, OUTLINE)
+    assert not has(plain, TARGET)
+    chosen = draw_overlay(frame(), landmarks, [thing], [said])
+    assert has(chosen, TARGET)
+    idle = Intention(t=0.0, hand="right", status="idle", target="thing", grip="palmar")
+    assert not has(draw_overlay(frame(), {}, [thing], [idle]), TARGET)
+
+
+def test_words_stay_within_the_picture_whatever_they_are(shapes):
+    thing = box(shapes, (0.55, -0.4, 1.0), id="ein sehr langer Name ✋" * 4)
+    points = {"camera/left": np.full((21, 2), 1000.0)}
+    said = Intention(t=0.0, hand="camera/left", status="lost", reason="x" * 300)
+    assert draw_overlay(frame(), points, [thing], [said], width=320).shape == (240, 320, 3)
