@@ -71,8 +71,8 @@ def _cv2() -> Any:
 
 
 def nanoseconds(t: float) -> int:
-    """Return a time in whole nanoseconds, as MCAP keeps it: 0 to 2^64 - 1."""
-    return min(max(round(t * 1e9), 0), 2**64 - 1)
+    """Return a time in whole nanoseconds, as MCAP keeps it: up to 570 years."""
+    return round(min(max(t, 0.0), 1.8e10) * 1e9)
 
 
 def _stamp(message: Any, t: float) -> Any:

@@ -195,9 +195,7 @@ class McapReader:
             at += 9 + length
 
     def _malformed(self, record: Record, error: Exception) -> RecordingError:
-        return RecordingError(
-            f"{self.path}, message {record.number} of {record.topic}: {error}"
-        )
+        return RecordingError(f"{self.path}, message {record.number} of {record.topic}: {error}")
 
 
 def _unpack(opcode: int, body: bytes, known: _Tables) -> Iterator[Record]:
