@@ -11,7 +11,7 @@ from mcap.reader import make_reader
 import igrip
 from igrip import Observation
 from igrip.errors import RecordingError
-from igrip.recording.jsonl import JsonlReader, JsonlWriter
+from igrip.recording.jsonl import JsonlWriter
 from igrip.recording.mcap import McapReader, McapWriter
 from igrip.recording.messages import DetectedHand, Detections, Event
 from rgbd_frames import frame, same
@@ -199,7 +199,7 @@ def test_something_else(tmp_path):
         list(McapReader(tmp_path / "x.mcap"))
 
 
-def test_a_full_disk_leaves_a_readable_file(tmp_path, monkeypatch):
+def test_a_full_disk_leaves_a_readable_file(tmp_path):
     """The writes of a disk that takes so many bytes and then no more."""
     path = tmp_path / "x.mcap"
     writer = McapWriter(path)
@@ -216,12 +216,17 @@ def test_a_full_disk_leaves_a_readable_file(tmp_path, monkeypatch):
             return write_file(bytes(data)[: room - real.tell()])  # what fits
 
     real, writer._sink._file = writer._sink._file, File()
-    written = 0
+    written = -1
+
+    def fill():
+        nonlocal written
+        for written in range(10_000):
+            writer.write(Observation(t=written / 100))
+            if written % 20 == 0:
+                writer._flushed = -1.0  # as if half a second had passed
+
     with pytest.raises(RecordingError, match="No space left on device; what was recorded"):
-        for k in range(10_000):
-            writer.write(Observation(t=k / 100))
-            writer._flushed = -1.0 if k % 20 == 0 else writer._flushed
-            written = k
+        fill()
     with pytest.raises(RecordingError, match="No space left"):
         writer.write(Observation(t=1e6))
     writer.close()  # told already

@@ -47,7 +47,7 @@ def read(path, data=None):
     try:
         frames.extend(reader.frames())
     except RecordingError as error:
-        assert str(path) in str(error)
+        told = told and str(path) in str(error)
     return messages, frames, told
 
 
@@ -121,7 +121,7 @@ def test_a_small_chunk_that_claims_to_be_huge(tmp_path):
 
 
 def test_a_gap_in_the_middle_is_noticed(tmp_path, whole):
-    data, messages, _ = whole
+    data, _, _ = whole
     first = data.index(b"\x06", len(MAGIC) + 30)
     while data[first] != 6 or struct.unpack_from("<Q", data, first + 1)[0] > len(data):
         first = data.index(b"\x06", first + 1)

@@ -39,8 +39,8 @@ class McapWriter:
     """Writes frames and messages to an ``.mcap`` file; may be used from several threads.
 
     Twice a second all that was written leaves the process, and a thread of its own has it put on
-    the disk, so a crash or a kill costs at most half a second. After an error of the disk the file is cut back to its last whole
-    record and stays readable.
+    the disk, so a crash or a kill costs at most half a second. After an error of the disk the file
+    is cut back to its last whole record and stays readable.
 
     Parameters
     ----------
