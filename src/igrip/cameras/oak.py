@@ -34,7 +34,9 @@ def load_depthai() -> Any:
     try:
         import depthai
     except ImportError:
-        raise CameraError("OAK cameras need the package depthai: pip install 'igrip[oak]'") from None
+        raise CameraError(
+            "OAK cameras need the package depthai: pip install 'igrip[oak]'"
+        ) from None
     return depthai
 
 
