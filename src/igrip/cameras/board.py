@@ -128,8 +128,14 @@ class CornerFinder:
             raise CameraError(
                 "calibration needs the package pupil-apriltags: pip install 'igrip[poses]'"
             ) from None
+
+        class Kept(Detector):  # type: ignore[misc]
+            """Never freed: the package frees by pointers cut to 32 bits, which may crash."""
+
+            def __del__(self) -> None: ...
+
         self._board = board
-        self._detector: Any = Detector(families=FAMILY, quad_decimate=1.0)
+        self._detector: Any = Kept(families=FAMILY, quad_decimate=1.0)
 
     def find(self, frame: RgbdFrame) -> dict[int, Array]:
         """Return the corners of each tag, shape (4, 2), in the order of the board's [pixels]."""
@@ -137,11 +143,8 @@ class CornerFinder:
         found: dict[int, Array] = {}
         twice = set()
         for tag in self._detector.detect(grey):
-            if (
-                tag.hamming
-                or tag.decision_margin < LEAST_MARGIN
-                or tag.tag_id not in self._board.ids
-            ):
+            sure = not tag.hamming and tag.decision_margin >= LEAST_MARGIN
+            if not sure or tag.tag_id not in self._board.ids:
                 continue
             if tag.tag_id in found:
                 twice.add(tag.tag_id)

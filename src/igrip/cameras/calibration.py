@@ -84,9 +84,13 @@ def collect(
     frames: Iterable[RgbdFrame],
     board: Board,
     seconds: float = 5.0,
+    cameras: int = 1,
     config: CalibrationConfig | None = None,
 ) -> dict[str, Views]:
-    """Watch the board for some seconds of the frames' own time; return what each camera saw."""
+    """Watch the board for some seconds of the frames' own time; return what each camera saw.
+
+    It is done earlier once so many cameras have given as many pictures as are used.
+    """
     config = config or CalibrationConfig()
     finder = CornerFinder(board)
     views: dict[str, Views] = {}
@@ -98,9 +102,8 @@ def collect(
             raise CameraError(f"the intrinsics of {frame.camera} change while it is calibrated")
         if len(own.corners) < config.views:
             own.add(frame, finder.find(frame))
-        if frame.t - first >= seconds or all(
-            len(v.corners) >= config.views for v in views.values()
-        ):
+        enough = all(len(seen.corners) >= config.views for seen in views.values())
+        if frame.t - first >= seconds or (enough and len(views) >= cameras):
             break
     return views
 
@@ -141,9 +144,10 @@ def place_camera(
             )
     camera_from_world = _matrix(best.x)
     covariance = np.linalg.pinv(best.jac.T @ best.jac) * error**2 / 2
+    std = float(np.sqrt(np.trace(covariance[3:, 3:])))
     return Placement(
-        np.linalg.inv(camera_from_world), error, float(np.sqrt(np.trace(covariance[3:, 3:]))),
-        len(ids), len(views.corners), _depth_ratio(views, camera_from_world, board),
+        np.asarray(np.linalg.inv(camera_from_world), np.float64), error, std, len(ids),
+        len(views.corners), _depth_ratio(views, camera_from_world, board),
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from igrip.cameras.base import CAMERAS, CameraError, read_options
 from igrip.cameras.polled import WAIT, PolledCamera
+from igrip.cameras.webcam import load_cv2
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 DEFAULTS: dict[str, Any] = {"size": (1280, 720), "depth": (848, 480), "fps": 30.0}
@@ -141,19 +142,14 @@ class Converter:
             self.note = f"{self._name} does not tell the time of exposure: that of arrival is taken"
             return time.monotonic()
         # on the host's wall clock, which the device's is kept in step with
-        ago = time.time() - picture.get_timestamp() / 1000.0
+        ago = time.time() - float(picture.get_timestamp()) / 1000.0
         return time.monotonic() - ago
 
     def _rectified(
         self, colour: NDArray[np.uint8], depth: NDArray[np.float32], told: Any
     ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
         """Return the pictures of a camera without distortion and with the same matrix."""
-        try:
-            import cv2
-        except ImportError:
-            raise CameraError(
-                f"the lens of {self._name} must be rectified: pip install opencv-python-headless"
-            ) from None
+        cv2 = load_cv2()
         key = (told.width, told.height, told.fx, told.fy, told.ppx, told.ppy, *told.coeffs)
         if self._lens is None or self._lens[0] != key:
             self._lens = key, lens_map(self._rs, told)

@@ -1,4 +1,4 @@
-"""A recording as a camera: frames at the times they were taken, or as fast as they are asked for."""
+"""A recording as a camera: frames at the times they were taken, or as fast as one asks."""
 
 from __future__ import annotations
 

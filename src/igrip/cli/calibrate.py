@@ -57,7 +57,7 @@ def calibrate(
         if note := getattr(device, "note", None):
             errors.print(note, style="yellow", soft_wrap=True)
         with errors.status("looking at the board …"):
-            views = collect(device, described, seconds)
+            views = collect(device, described, seconds, len(split_names(camera)))
     finally:
         device.close()
     if len(views) < len(split_names(camera)):
@@ -88,8 +88,8 @@ def _say(name: str, placed: Placement) -> None:
     )
     if placed.depth_ratio is not None and abs(placed.depth_ratio - 1.0) > ODD_DEPTH:
         errors.print(
-            f"{name}: its depth says that the board is {placed.depth_ratio:.2f} times as far as its "
-            "tags say: was it printed at another size (--tag-size)?",
+            f"{name}: its depth says that the board is {placed.depth_ratio:.2f} times as far as "
+            "its tags say: was it printed at another size (--tag-size)?",
             style="yellow",
             soft_wrap=True,
         )
