@@ -77,13 +77,15 @@ class OakCamera(PolledCamera):
         if size[0] % 16:
             raise CameraError(f"size: an OAK needs a width that is a multiple of 16, not {size[0]}")
         self._dai = dai = load_depthai()
+        if "." not in device and not dai.Device.getAllAvailableDevices():  # an address has dots
+            raise CameraError(PLUG_IN)
         try:
             self._oak = dai.Device(dai.DeviceInfo(device)) if device else dai.Device()
         except RuntimeError as error:
             raise CameraError(f"{PLUG_IN} ({error})") from error
         self.name = f"oak-{self._oak.getDeviceId()}"
         try:
-            self._size = size
+            self._offset = clock_offset(dai)
             self._calibration = self._oak.readCalibration()
             self._pipeline = dai.Pipeline(self._oak)
             self._queue = self._build(size, fps)
@@ -127,7 +129,7 @@ class OakCamera(PolledCamera):
         group = self._queue.get(timedelta(seconds=WAIT))
         if group is None:
             return None
-        return frame_of(self._dai, group, self.name, self._fallback)
+        return frame_of(self._dai, group, self.name, self._offset, self._fallback)
 
     def _fallback(self, width: int, height: int) -> Any:
         """Return the camera matrix of the device's calibration for a size, shape (3, 3)."""
@@ -151,7 +153,19 @@ def join(
     return sync.out.createOutputQueue(maxSize=1, blocking=False)
 
 
-def frame_of(dai: Any, group: Any, name: str, fallback: Any) -> RgbdFrame:
+def clock_offset(dai: Any) -> float:
+    """Return what to add to depthai's host times to be on Python's monotonic clock [s].
+
+    Both are the same clock on Linux; of several readings the one that took least counts.
+    """
+    readings = []
+    for _ in range(10):
+        before, theirs, after = time.monotonic(), dai.Clock.now(), time.monotonic()
+        readings.append((after - before, (before + after) / 2 - theirs.total_seconds()))
+    return min(readings)[1]
+
+
+def frame_of(dai: Any, group: Any, name: str, offset: float, fallback: Any) -> RgbdFrame:
     """Return the frame of a pair of pictures.
 
     Parameters
@@ -162,6 +176,8 @@ def frame_of(dai: Any, group: Any, name: str, fallback: Any) -> RgbdFrame:
         The pair.
     name : str
         Of the camera.
+    offset : float
+        Of its times from the monotonic clock [s].
     fallback : function
         Gives the camera matrix of a width and height, where the picture does not tell its own.
     """
@@ -177,9 +193,8 @@ def frame_of(dai: Any, group: Any, name: str, fallback: Any) -> RgbdFrame:
     if not k[0, 0] > 0.0:
         k = np.asarray(fallback(width, height))
     exposed = picture.getTimestamp(dai.CameraExposureOffset.MIDDLE).total_seconds()
-    now = time.monotonic() - dai.Clock.now().total_seconds()  # the same clock on Linux
     intrinsics = Intrinsics(
         width, height, float(k[0, 0]), float(k[1, 1]), float(k[0, 2]), float(k[1, 2])
     )
     depth = counts.astype(np.float32) * np.float32(1e-3)  # it counts in mm
-    return RgbdFrame(exposed + now, colour, depth, intrinsics, name)
+    return RgbdFrame(exposed + offset, colour, depth, intrinsics, name)

@@ -68,6 +68,12 @@ class RealSenseCamera(PolledCamera):
     ) -> None:
         super().__init__()
         rs = load_realsense()
+        there = [d.get_info(rs.camera_info.serial_number) for d in rs.context().query_devices()]
+        if not there or (serial and serial not in there):
+            raise CameraError(
+                f"no RealSense camera {f'{serial} ' if serial else ''}is found: plug it into a "
+                "USB 3 port; on Linux it also needs the udev rules of docs/cameras.md"
+            )
         config = rs.config()
         if serial:
             config.enable_device(serial)
@@ -77,13 +83,8 @@ class RealSenseCamera(PolledCamera):
         try:
             device = self._pipeline.start(config).get_device()
         except RuntimeError as error:
-            if "No device" in str(error):
-                raise CameraError(
-                    "no RealSense camera is found: plug it into a USB 3 port; on Linux it also "
-                    "needs the udev rules of docs/cameras.md"
-                ) from error
             raise CameraError(
-                f"no RealSense camera {serial or ''} gives {size[0]} × {size[1]} with depth of "
+                f"the RealSense camera {serial} does not give {size[0]} × {size[1]} with depth of "
                 f"{depth[0]} × {depth[1]} at {fps:g} Hz: {error}"
             ) from error
         self.name = f"realsense-{device.get_info(rs.camera_info.serial_number)}"
