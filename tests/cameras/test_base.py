@@ -33,7 +33,15 @@ def test_options():
         "a", {"size": (640, 400), "fps": 15.0, "loop": True, "file": "b c"},
     )  # fmt: skip
     assert read_options("", defaults) == ("", defaults)
-    for wrong in ("?speed=1", "?fps=fast", "?fps=nan", "?fps=-1", "?size=3", "?size=0x2", "?loop=2"):
+    for wrong in (
+        "?speed=1",
+        "?fps=fast",
+        "?fps=nan",
+        "?fps=-1",
+        "?size=3",
+        "?size=0x2",
+        "?loop=2",
+    ):
         with pytest.raises(CameraError):
             read_options(wrong, defaults)
 
@@ -91,7 +99,10 @@ def test_a_calibration_is_read_before_anything_is_opened(tmp_path, monkeypatch):
     monkeypatch.setitem(CAMERAS._members, "good", lambda rest: pytest.fail("was opened"))
     place = np.eye(4)
     place[0, 0] = 2.0
-    told = {"cameras": {"a": {"world_from_camera": place.tolist()}}, "format": "igrip-calibration/1"}
+    told = {
+        "cameras": {"a": {"world_from_camera": place.tolist()}},
+        "format": "igrip-calibration/1",
+    }
     (tmp_path / "c.json").write_text(json.dumps(told))
     with pytest.raises(CameraError, match="no rigid transform"):
         open_camera("good", tmp_path / "c.json")

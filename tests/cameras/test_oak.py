@@ -212,7 +212,7 @@ class FakeDai:
         self.Device, self.Pipeline = Device, Pipeline
         self.DeviceInfo = lambda name: name
 
-    def open_queue(self, maxSize, blocking):  # noqa: N803
+    def open_queue(self, maxSize, blocking):
         assert (maxSize, blocking) == (1, False)  # the newest wins
         return self.queue
 

@@ -110,7 +110,7 @@ def test_a_clock_of_its_own_is_told(rs):
 
 
 def test_depth_is_aligned_to_colour(rs):
-    """Depth from a place 5 cm aside lands f · 0.05 / 0.8 = 3.75 pixels aside, none where none was."""
+    """Depth from a place 5 cm aside lands f · 0.05 / 0.8 = 3.75 pixels aside."""
     [*_, frame] = converted(rs, realsense.Converter(rs, "x", 0.001), 4, shift=0.05)
     assert (frame.depth[24, :3] == 0).all()
     assert (frame.depth[24, 6:] > 0.79).all()
@@ -174,9 +174,7 @@ def test_an_unplugged_device(rs, monkeypatch):
     )  # fmt: skip
     pipeline = Pipeline(device)
     monkeypatch.setattr(rs, "pipeline", lambda: pipeline)
-    monkeypatch.setattr(
-        rs, "context", lambda: SimpleNamespace(query_devices=lambda: [device])
-    )
+    monkeypatch.setattr(rs, "context", lambda: SimpleNamespace(query_devices=lambda: [device]))
     camera = open_camera("realsense:123")
     assert camera.name == "realsense-123"
     assert set_options == [(rs.option.global_time_enabled, 1.0)]

@@ -162,7 +162,7 @@ def clock_offset(dai: Any) -> float:
     for _ in range(10):
         before, theirs, after = time.monotonic(), dai.Clock.now(), time.monotonic()
         readings.append((after - before, (before + after) / 2 - theirs.total_seconds()))
-    return min(readings)[1]
+    return float(min(readings)[1])
 
 
 def frame_of(dai: Any, group: Any, name: str, offset: float, fallback: Any) -> RgbdFrame:
