@@ -32,6 +32,7 @@ __all__ = ["McapReader", "McapWriter"]
 log = logging.getLogger(__name__)
 
 FLUSH_EVERY = 0.4  # s; so that with the work itself no more than half a second is lost
+CHUNK = 8 << 20  # bytes; so large that flushing makes the chunks, and few need an index in memory
 SETTLED = 1.0  # s; calibration and place are told again so often, for readers that seek
 
 
@@ -86,7 +87,7 @@ class McapWriter:
         self._failure: RecordingError | None = None
         self._told = self._fresh = False
         self._flushed = time.monotonic()
-        self._writer = Writer(self._sink)
+        self._writer = Writer(self._sink, chunk_size=CHUNK)
         self._do(partial(self._writer.start, "", f"igrip {__version__}"))
         self._do(partial(self._writer.add_metadata, "igrip", {"version": __version__,
                  "clock": "monotonic", "depth_unit_m": repr(depth_unit)}))  # fmt: skip
