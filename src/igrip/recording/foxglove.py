@@ -94,11 +94,11 @@ def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
     """Return the depth of a frame as a message; what does not fit into 16 bits becomes 0."""
     assert frame.depth is not None
     cv2 = _cv2()
-    counts = np.rint(frame.depth * np.float32(1.0 / unit))
-    with np.errstate(invalid="ignore"):  # NaN is not measured either
-        counts = np.where((counts > 0) & (counts <= 65535), counts, 0).astype(np.uint16)
+    counts = frame.depth * np.float32(1.0 / unit)
+    counts += np.float32(0.5)
+    counts[~((counts >= 0) & (counts < 65536))] = 0  # NaN too
     options = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_SUB]
-    _, data = cv2.imencode(".png", counts, options)
+    _, data = cv2.imencode(".png", counts.astype(np.uint16), options)
     return _picture(frame, data, "png")
 
 
