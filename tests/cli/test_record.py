@@ -14,6 +14,8 @@ from board_pictures import looking_at, see
 from igrip.cameras.base import open_camera
 from igrip.cameras.board import Board
 from igrip.cli import main
+from igrip.errors import RecordingError
+from igrip.recording.files import open_recording, open_writer
 from igrip.recording.mcap import McapReader, McapWriter
 from rgbd_frames import frame
 
@@ -30,6 +32,15 @@ def igrip(*arguments, code=0):
     return done
 
 
+def run(monkeypatch, capsys, code, *arguments):
+    """Do the same in this process, which is faster."""
+    monkeypatch.setattr(sys, "argv", ["igrip", *map(str, arguments)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == code
+    return capsys.readouterr()
+
+
 @pytest.fixture
 def recording(tmp_path):
     path = tmp_path / "given.mcap"
@@ -41,10 +52,7 @@ def recording(tmp_path):
 
 @pytest.mark.parametrize("command", ["record", "calibrate"])
 def test_help_has_an_example(command, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["igrip", command, "--help"])
-    with pytest.raises(SystemExit):
-        main()
-    assert f"Example: igrip {command}" in capsys.readouterr().out
+    assert f"Example: igrip {command}" in run(monkeypatch, capsys, 0, command, "--help").out
 
 
 def test_record_for_some_seconds(tmp_path, recording):
@@ -96,6 +104,38 @@ def test_a_camera_that_fails_leaves_a_readable_file(tmp_path):
     assert reader.cut is None
 
 
+def test_a_full_disk(tmp_path, recording, monkeypatch, capsys):
+    """As if it were full at the third frame: what is there is said, and why it ended."""
+    write = McapWriter.write_frame
+
+    def full(self, one):
+        if self.counts.get("/camera/colour", 0) == 3:
+            raise RecordingError(f"{self.path}: No space left on device")
+        write(self, one)
+
+    monkeypatch.setattr(McapWriter, "write_frame", full)
+    out = tmp_path / "new.mcap"
+    said = run(monkeypatch, capsys, 2, "record", "--camera", f"replay:{recording}", "--out", out)
+    assert "3 frames" in said.out
+    assert "No space left on device" in said.err
+    assert len(list(McapReader(out).frames())) == 3
+
+
+def test_replaying_mcap_and_jsonl_gives_the_same_lines(
+    tmp_path, small_dataset, monkeypatch, capsys
+):
+    path = small_dataset.recording(small_dataset.trials[0])
+    with open_writer(tmp_path / "reach.mcap") as file:
+        for observation in open_recording(path):
+            file.write(observation)
+    for source, out in ((path, "a.jsonl"), (tmp_path / "reach.mcap", "b.mcap")):
+        run(monkeypatch, capsys, 0, "replay", source, "--targets", "paper", "--out", tmp_path / out,
+            "--objects", *small_dataset.objects)  # fmt: skip
+    lines = [r.data for r in McapReader(tmp_path / "b.mcap").records(("/intentions",))]
+    assert lines == (tmp_path / "a.jsonl").read_bytes().splitlines()
+    assert len(lines) == 61
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -108,11 +148,7 @@ def test_a_camera_that_fails_leaves_a_readable_file(tmp_path):
     ],
 )
 def test_wrong_input(arguments, words, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["igrip", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 2
-    assert words in capsys.readouterr().err.replace("\n", "")
+    assert words in run(monkeypatch, capsys, 2, *arguments).err.replace("\n", "")
 
 
 def test_calibrate_two_cameras_then_record_with_their_places(tmp_path):

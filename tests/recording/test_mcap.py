@@ -2,8 +2,10 @@
 
 import errno
 import json
+import struct
 import threading
 
+import cv2
 import numpy as np
 import pytest
 from mcap.reader import make_reader
@@ -11,6 +13,7 @@ from mcap.reader import make_reader
 import igrip
 from igrip import Observation
 from igrip.errors import RecordingError
+from igrip.recording import foxglove
 from igrip.recording.jsonl import JsonlWriter
 from igrip.recording.mcap import McapReader, McapWriter
 from igrip.recording.messages import DetectedHand, Detections, Event
@@ -173,6 +176,20 @@ def test_a_malformed_picture_is_named(tmp_path):
         writer._put("/camera/colour", 11.0, b"\x12\x03abc")
     with pytest.raises(RecordingError, match="message 2 of /camera/colour: data: is no picture"):
         list(McapReader(tmp_path / "x.mcap").frames())
+
+
+@pytest.mark.parametrize("form", [".png", ".jpg"])
+def test_a_picture_that_claims_to_be_huge(tmp_path, form):
+    """Its header alone says so; nothing of that size may be taken from memory."""
+    packed = bytearray(cv2.imencode(form, np.zeros((16, 16, 3), np.uint8))[1].tobytes())
+    if form == ".png":
+        packed[16:24] = struct.pack(">II", 30_000, 30_000)
+    else:
+        at = packed.index(b"\xff\xc0")
+        packed[at + 5 : at + 9] = struct.pack(">HH", 30_000, 30_000)
+    message = foxglove.schema("CompressedImage").message(data=bytes(packed))
+    with pytest.raises(RecordingError, match="30000 × 30000 is too large"):
+        foxglove.decode_picture(message.SerializeToString())
 
 
 def test_a_picture_without_calibration(tmp_path):

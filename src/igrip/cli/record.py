@@ -84,7 +84,7 @@ def _record(camera: Camera, writer: McapWriter, seconds: float | None) -> Camera
                 recorder.close()
             finally:  # what is in the file is said even if the disk is full
                 words = _words(recorder, writer, last - first)
-    output.print(f"{writer.path}: {words}", soft_wrap=True)
+                output.print(f"{writer.path}: {words}", soft_wrap=True)
     return failed
 
 
