@@ -287,8 +287,15 @@ def test_stopped_by_itself(fake):
 
 def test_silence(fake, monkeypatch):
     monkeypatch.setattr("igrip.cameras.polled.PATIENCE", 0.05)
+    camera = open_camera("oak?size=64x48")
+    fake.queue.groups.append(pair(1.0))
+    iterator = iter(camera)
+    next(iterator)
+    with pytest.raises(CameraError, match="sent no picture for 0 s; is it still plugged in"):
+        next(iterator)
+    monkeypatch.setattr("igrip.cameras.polled.WARM_UP", 0.05)
     with pytest.raises(CameraError, match="sent no picture"):
-        next(iter(open_camera("oak?size=64x48")))
+        next(iter(camera))
 
 
 def test_closing_from_another_thread_ends_the_wait(fake):
@@ -320,3 +327,27 @@ def test_a_camera_without_stereo(monkeypatch):
 def test_an_odd_width():
     with pytest.raises(CameraError, match="multiple of 16"):
         open_camera("oak?size=100x48")
+
+
+def test_depthai_has_every_name_that_is_used(dai):
+    """What cannot be called without a device is at least there."""
+    used = {
+        dai: ("Device", "DeviceInfo", "Pipeline", "Clock"),
+        dai.Device: ("getAllAvailableDevices", "getDeviceId", "getConnectedCameras", "getPlatform",
+                     "readCalibration", "close"),
+        dai.Pipeline: ("create", "start", "stop", "isRunning"),
+        dai.Platform: ("RVC2", "RVC4"),
+        dai.CameraBoardSocket: ("CAM_A", "CAM_B", "CAM_C"),
+        dai.CameraExposureOffset: ("MIDDLE",),
+        dai.ImgFrame.Type: ("RGB888i",),
+        dai.CalibrationHandler: ("getCameraIntrinsics",),
+        dai.node.Camera: ("build", "requestOutput"),
+        dai.node.StereoDepth: ("setDefaultProfilePreset", "setLeftRightCheck", "setSubpixel",
+                               "inputAlignTo", "left", "right", "depth"),
+        dai.node.StereoDepth.PresetMode: ("ROBOTICS",),
+        dai.node.ImageAlign: ("input", "inputAlignTo", "outputAligned"),
+        dai.node.Sync: ("setRunOnHost", "setSyncThreshold", "inputs", "out"),
+    }  # fmt: skip
+    for owner, names in used.items():
+        assert [name for name in names if not hasattr(owner, name)] == []
+    assert "enableUndistortion" in dai.node.Camera.requestOutput.__doc__

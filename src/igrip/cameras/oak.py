@@ -113,7 +113,6 @@ class OakCamera(PolledCamera):
             grey = pipeline.create(dai.node.Camera).build(socket)
             grey.requestOutput(STEREO_SIZE, fps=fps).link(entry)
         if self._oak.getPlatform() == dai.Platform.RVC2:
-            stereo.setOutputSize(*size)
             colour.link(stereo.inputAlignTo)
             depth = stereo.depth
         else:  # later chips align in a node of its own

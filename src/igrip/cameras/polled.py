@@ -12,6 +12,7 @@ from igrip.rgbd import RgbdFrame
 
 WAIT = 0.2  # s; a device is never waited for longer at a time, so that close() is soon done
 PATIENCE = 4.0  # s without a frame, after which a device is taken to be gone; guess
+WARM_UP = 10.0  # s that the first frame may take; guess
 
 
 class PolledCamera(ABC):
@@ -42,7 +43,7 @@ class PolledCamera(ABC):
         """Let the device go."""
 
     def __iter__(self) -> Iterator[RgbdFrame]:
-        last = -1.0
+        last, patience = -1.0, WARM_UP
         asked = time.monotonic()
         while True:
             with self._device:
@@ -57,14 +58,14 @@ class PolledCamera(ABC):
                         f"{self.name} has stopped ({error}); is it still plugged in?"
                     ) from error
             if frame is None:
-                if time.monotonic() - asked > PATIENCE:
+                if time.monotonic() - asked > patience:
                     raise CameraError(
-                        f"{self.name} sent no picture for {PATIENCE:.0f} s; is it still plugged in,"
+                        f"{self.name} sent no picture for {patience:.0f} s; is it still plugged in,"
                         " and does nothing else use it?"
                     )
                 continue
             if frame.t > last:  # a clock that was set back must not turn time round
-                last = frame.t
+                last, patience = frame.t, PATIENCE
                 yield frame
             asked = time.monotonic()
 
