@@ -8,11 +8,13 @@ import typer
 
 from igrip.cli import (
     bench,
+    calibrate,
     demo,
     doctor,
     evaluate,
     grips,
     importing,
+    record,
     replay,
     schema,
     simulate,
@@ -53,6 +55,8 @@ app.command("evaluate")(evaluate.evaluate)
 app.command("simulate")(simulate.simulate)
 app.command("stream")(stream.stream)
 app.command("view")(view.view)
+app.command("record")(record.record)
+app.command("calibrate")(calibrate.calibrate)
 app.command("import")(importing.import_tables)
 app.command("bench")(bench.bench)
 app.command("doctor")(doctor.doctor)

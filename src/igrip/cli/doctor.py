@@ -31,6 +31,9 @@ EXTRAS = {
     "tables": ("pandas", "pyarrow"),
     "report": ("pandas", "pyarrow", "matplotlib", "jinja2"),
     "outputs": ("websockets", "pylsl"),
+    "mcap": ("mcap", "zstandard", "foxglove-schemas-protobuf", "opencv-python-headless"),
+    "oak": ("depthai",),
+    "realsense": ("pyrealsense2",),
     "bench": ("embreex", "matplotlib", "rtree"),
 }
 

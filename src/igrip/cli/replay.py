@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
-import msgspec
 import typer
 
 from igrip.cli.console import errors, output, print_json, progress
@@ -21,13 +20,15 @@ from igrip.evaluation.replay import TrialResult, run_dataset
 from igrip.intention import Intention
 from igrip.objects.catalog import load_objects
 from igrip.recording.dataset import Dataset
-from igrip.recording.jsonl import JsonlReader
+from igrip.recording.files import open_writer
 from igrip.sources.base import open_source
 from igrip.targets import TARGETS
 
 
 def replay(
-    recording: Annotated[Path, typer.Argument(help="A recording (.jsonl) or a dataset's folder.")],
+    recording: Annotated[
+        Path, typer.Argument(help="A recording (.jsonl, .mcap) or a dataset's folder.")
+    ],
     targets: Annotated[
         list[str] | None,
         typer.Option(help="Targets estimator; repeatable over a dataset. Default: the library's."),
@@ -37,7 +38,8 @@ def replay(
         typer.Option(help="Where models come from, in place of the dataset's own or of ycb."),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Write every intention to this .jsonl.")
+        Path | None,
+        typer.Option("--out", "-o", help="Write every intention to this .jsonl or .mcap."),
     ] = None,
     jobs: Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)] = 0,
     limit: Annotated[
@@ -81,10 +83,10 @@ def _replay_recording(
             last, messages = observation.t, messages + 1
             for intention in estimator.update(observation):
                 intentions.append(intention)
-                write(intention.to_json())
+                write(intention)
             bar.advance(task)
     summary = recording_summary(str(path), config.targets, messages, last - first, intentions)
-    cut = source.cut if isinstance(source, JsonlReader) else None
+    cut = getattr(source, "cut", None)
     summary |= {"cut": cut, "inputs": estimator.inputs()}
     if as_json:
         print_json(summary)
@@ -117,7 +119,7 @@ def _replay_dataset(
                 results.append(result)
                 origin = {"recording": result.trial.recording, "targets": result.targets}
                 for intention in intentions:
-                    write(msgspec.json.encode(intention.to_dict() | origin))
+                    write(intention, **origin)
             bar.advance(task)
     elapsed = time.perf_counter() - begin
     summary = dataset_summary(dataset, results)
@@ -132,14 +134,10 @@ def _replay_dataset(
 
 
 @contextmanager
-def _writer(path: Path | None) -> Iterator[Callable[[bytes], object]]:
+def _writer(path: Path | None) -> Iterator[Callable[..., object]]:
     """Open the file of the intentions before the long work, and write each as it comes."""
     if path is None:
-        yield lambda line: None
+        yield lambda intention, **origin: None
         return
-    try:
-        file = path.open("wb")
-    except OSError as error:
-        raise RecordingError(f"{path}: {error.strerror or error}") from error
-    with file:
-        yield lambda line: file.write(line + b"\n")
+    with open_writer(path) as file:
+        yield file.write

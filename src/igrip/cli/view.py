@@ -21,7 +21,9 @@ from igrip.viewer.snapshot import Snapshot
 
 
 def view(
-    recording: Annotated[Path, typer.Argument(help="A recording (.jsonl), or a dataset's folder.")],
+    recording: Annotated[
+        Path, typer.Argument(help="A recording (.jsonl, .mcap), or a dataset's folder.")
+    ],
     trial: Annotated[
         int, typer.Option(help="Of a dataset: which row of trials.tsv, from 1 on.", min=1)
     ] = 1,

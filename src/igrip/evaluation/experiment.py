@@ -20,7 +20,7 @@ from igrip.geometry.scene import Placed
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.recording.dataset import Dataset, Trial
-from igrip.recording.jsonl import JsonlReader
+from igrip.recording.files import open_recording
 from igrip.version import __version__
 
 Row = dict[str, Any]
@@ -48,7 +48,7 @@ def evaluate_trial(
     problem: str | None = None
     cut: str | None = None
     try:
-        reader = JsonlReader(dataset.recording(trial))
+        reader = open_recording(dataset.recording(trial))
         for observation in reader:
             seen.take(observation)
             for estimator, intentions, curve in zip(estimators, said, curves, strict=True):

@@ -16,7 +16,7 @@ from igrip.evaluation.trials import TrialScore, causal_accuracy, score_trial
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.recording.dataset import Dataset, Trial
-from igrip.recording.jsonl import JsonlReader
+from igrip.recording.files import open_recording
 
 FRACTIONS = (0.4, 0.6)
 NEVER = "none"
@@ -65,7 +65,7 @@ def run_trial(
     first = last = 0.0
     result = TrialResult(config.targets, trial)
     try:
-        reader = JsonlReader(dataset.recording(trial))
+        reader = open_recording(dataset.recording(trial))
         estimator = Estimator(catalog, config)
         for number, observation in enumerate(reader):
             first = observation.t if number == 0 else first

@@ -15,13 +15,13 @@ from typing import Any
 
 from igrip.errors import DatasetError, RecordingError
 from igrip.observation import Observation
+from igrip.recording.files import ENDINGS
 from igrip.recording.jsonl import JsonlWriter
 from igrip.recording.trial import COLUMNS, Trial, read_trials
 
 __all__ = ["Dataset", "DatasetWriter", "Trial"]
 
 FORMAT = "igrip-dataset/1"
-ENDINGS = (".jsonl",)
 
 
 @dataclass(frozen=True)

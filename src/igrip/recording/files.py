@@ -7,15 +7,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self
 
-from igrip.errors import RecordingError
 from igrip.intention import Intention
 from igrip.observation import Observation
 from igrip.recording.jsonl import JsonlReader, JsonlWriter
 from igrip.recording.mcap import McapReader, McapWriter
 
-READERS = {".jsonl": JsonlReader, ".mcap": McapReader}
-WRITERS = {".jsonl": JsonlWriter, ".mcap": McapWriter}
-ENDINGS = tuple(READERS)
+ENDINGS = (".jsonl", ".mcap")
 
 
 class Reader(Protocol):
@@ -54,31 +51,28 @@ class Writer(Protocol):
 
 
 def open_recording(path: str | Path) -> Reader:
-    """Open a recording of observations.
+    """Open a recording of observations: MCAP where its name ends so, else lines of JSON.
 
     Raises
     ------
     RecordingError
-        If the ending is unknown, or the file cannot be opened.
+        If the file cannot be opened.
     """
-    reader: Reader = READERS[_ending(path)](path)
-    return reader
+    return McapReader(path) if _is_mcap(path) else JsonlReader(path)
 
 
 def open_writer(path: str | Path) -> Writer:
-    """Open a file for messages; an existing one is replaced.
+    """Open a file for messages: MCAP where its name ends so, else lines of JSON.
+
+    An existing file is replaced.
 
     Raises
     ------
     RecordingError
-        If the ending is unknown, or the file cannot be opened.
+        If the file cannot be opened.
     """
-    writer: Writer = WRITERS[_ending(path)](path)
-    return writer
+    return McapWriter(path) if _is_mcap(path) else JsonlWriter(path)
 
 
-def _ending(path: str | Path) -> str:
-    ending = Path(path).suffix.lower()
-    if ending not in READERS:
-        raise RecordingError(f"{path}: must end with {' or '.join(ENDINGS)}")
-    return ending
+def _is_mcap(path: str | Path) -> bool:
+    return Path(path).suffix.lower() == ".mcap"

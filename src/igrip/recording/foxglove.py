@@ -7,6 +7,7 @@ one ``foxglove.CameraCalibration``, and the camera stands in the world by a
 
 from __future__ import annotations
 
+import struct
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from igrip.rgbd import Array, Intrinsics, RgbdFrame
 WORLD = "world"
 DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
 JPEG_QUALITY = 90
+LARGEST = 1 << 26  # pixels of a picture that is read; those of cameras have some 2^20
 
 
 class Schema(NamedTuple):
@@ -71,8 +73,8 @@ def _cv2() -> Any:
 
 
 def nanoseconds(t: float) -> int:
-    """Return a time in whole nanoseconds, as MCAP keeps it: 0 to 2^64 - 1."""
-    return min(max(round(t * 1e9), 0), 2**64 - 1)
+    """Return a time in whole nanoseconds, as MCAP keeps it: up to 570 years."""
+    return round(min(max(t, 0.0), 1.8e10) * 1e9)
 
 
 def _stamp(message: Any, t: float) -> Any:
@@ -94,11 +96,11 @@ def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
     """Return the depth of a frame as a message; what does not fit into 16 bits becomes 0."""
     assert frame.depth is not None
     cv2 = _cv2()
-    counts = np.rint(frame.depth * np.float32(1.0 / unit))
-    with np.errstate(invalid="ignore"):  # NaN is not measured either
-        counts = np.where((counts > 0) & (counts <= 65535), counts, 0).astype(np.uint16)
+    counts = frame.depth * np.float32(1.0 / unit)
+    counts += np.float32(0.5)
+    counts[~((counts >= 0) & (counts < 65536))] = 0  # NaN too
     options = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_SUB]
-    _, data = cv2.imencode(".png", counts, options)
+    _, data = cv2.imencode(".png", counts.astype(np.uint16), options)
     return _picture(frame, data, "png")
 
 
@@ -142,10 +144,12 @@ def decode_picture(data: bytes) -> NDArray[Any]:
         If it holds none.
     """
     cv2 = _cv2()
-    message = _parse("CompressedImage", data)
+    packed = _parse("CompressedImage", data).data
+    width, height = _declared_size(packed)
+    if width * height > LARGEST:
+        raise RecordingError(f"data: a picture of {width} × {height} is too large")
     try:
-        raw = np.frombuffer(message.data, np.uint8)
-        picture = cv2.imdecode(raw, cv2.IMREAD_UNCHANGED) if raw.size else None
+        picture = cv2.imdecode(np.frombuffer(packed, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:
         picture = None
     if picture is None:
@@ -155,6 +159,24 @@ def decode_picture(data: bytes) -> NDArray[Any]:
     if picture.ndim == 2 and picture.dtype == np.uint16:
         return np.asarray(picture)
     raise RecordingError(f"data: is neither colour nor depth: {picture.shape} {picture.dtype}")
+
+
+def _declared_size(data: bytes) -> tuple[int, int]:
+    """Return width and height that a PNG or JPEG says it has, before anything is unpacked.
+
+    PNG: ISO/IEC 15948, 11.2.1; JPEG: ITU-T T.81, B.2.2.
+    """
+    if data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) >= 24:
+        width, height = struct.unpack(">II", data[16:24])
+        return width, height
+    at = 2 if data[:2] == b"\xff\xd8" else len(data)
+    while at + 9 <= len(data) and data[at] == 0xFF:
+        marker, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4])
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):  # a start of frame
+            height, width = struct.unpack(">HH", data[at + 5 : at + 9])
+            return width, height
+        at += 2 + length
+    raise RecordingError("data: is no picture, neither PNG nor JPEG")
 
 
 def decode_calibration(data: bytes) -> Intrinsics:

@@ -6,7 +6,9 @@ import logging
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+import msgspec
 
 from igrip.errors import ObservationError, RecordingError
 from igrip.intention import Intention
@@ -90,9 +92,30 @@ class JsonlWriter:
         except OSError as error:
             raise RecordingError(f"{self.path}: {error.strerror or error}") from error
 
-    def write(self, message: Observation | Intention) -> None:
-        """Append one message; it has left the process when this returns."""
-        self._file.write(message.to_json() + b"\n")
+    def write(self, message: Observation | Intention, **more: Any) -> None:
+        """Append one message; it has left the process when this returns.
+
+        Parameters
+        ----------
+        message : Observation or Intention
+            What to write.
+        **more
+            Further fields of its line.
+
+        Raises
+        ------
+        RecordingError
+            If the disk is full or fails.
+        """
+        line = msgspec.json.encode(message.to_dict() | more) if more else message.to_json()
+        rest = memoryview(line + b"\n")
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) or 0 :]
+        except OSError as error:
+            raise RecordingError(
+                f"{self.path}: {error.strerror or error}; what was recorded before can be read"
+            ) from error
 
     def close(self) -> None:
         """Close the file."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections import defaultdict
 from collections.abc import Callable
 from functools import partial
@@ -30,16 +31,17 @@ __all__ = ["McapReader", "McapWriter"]
 
 log = logging.getLogger(__name__)
 
-FLUSH_EVERY = 0.5  # s
+FLUSH_EVERY = 0.4  # s; so that with the work itself no more than half a second is lost
+CHUNK = 8 << 20  # bytes; so large that flushing makes the chunks, and few need an index in memory
 SETTLED = 1.0  # s; calibration and place are told again so often, for readers that seek
 
 
 class McapWriter:
     """Writes frames and messages to an ``.mcap`` file; may be used from several threads.
 
-    Every half second all that was written is put on the disk by a thread of its own, so a crash or
-    a kill costs at most that. After an error of the disk the file is cut back to its last whole
-    record and stays readable.
+    Twice a second all that was written leaves the process, and a thread of its own has it put on
+    the disk, so a crash or a kill costs at most half a second. After an error of the disk the file
+    is cut back to its last whole record and stays readable.
 
     Parameters
     ----------
@@ -84,7 +86,8 @@ class McapWriter:
         self._settled: dict[str, tuple[float, Any]] = {}
         self._failure: RecordingError | None = None
         self._told = self._fresh = False
-        self._writer = Writer(self._sink)
+        self._flushed = time.monotonic()
+        self._writer = Writer(self._sink, chunk_size=CHUNK)
         self._do(partial(self._writer.start, "", f"igrip {__version__}"))
         self._do(partial(self._writer.add_metadata, "igrip", {"version": __version__,
                  "clock": "monotonic", "depth_unit_m": repr(depth_unit)}))  # fmt: skip
@@ -154,9 +157,9 @@ class McapWriter:
         self._closed.set()
         self._flusher.join()
         with self._lock:
-            if self._failure is None:
-                self._do(self._writer.finish)
-                self._do(self._sink.sync)
+            for work in (self._writer.flush, self._writer.finish, self._sink.sync):
+                if self._failure is None:
+                    self._do(work)
             self._sink.close()
             if self._failure is not None and not self._told:
                 self._told = True
@@ -192,6 +195,12 @@ class McapWriter:
         self._counts[topic] += 1  # a gap in the sequence tells a reader what was lost
         self._writer.add_message(channel, ns, data, ns, self._counts[topic])
         self._fresh = True
+        if time.monotonic() - self._flushed >= FLUSH_EVERY:  # the thread may wait for the disk
+            self._flush()
+
+    def _flush(self) -> None:
+        self._writer.flush()
+        self._fresh, self._flushed = False, time.monotonic()
 
     def _register(self, topic: str) -> int:
         kinds = {"calibration": "CameraCalibration", "tf": "FrameTransform"}
@@ -219,18 +228,25 @@ class McapWriter:
                 f"{self.path}: {error.strerror or error}; what was recorded before can be read"
             )
             log.error(str(self._failure))
-            try:
-                self._sink.cut_back()
-            except OSError as worse:  # the reader stops before a part of a record
-                log.error(f"{self.path}: cannot be cut back: {worse}")
+            self._cut_back()
+        except BaseException:  # Ctrl-C in the middle of a record
+            self._failure = RecordingError(f"{self.path}: interrupted")
+            self._cut_back()
+            raise
+
+    def _cut_back(self) -> None:
+        try:
+            self._sink.cut_back()
+        except OSError as error:  # the reader stops before a part of a record
+            log.error(f"{self.path}: cannot be cut back: {error}")
 
     def _keep_flushing(self) -> None:
         while not self._closed.wait(FLUSH_EVERY):
             with self._lock:
-                if not self._fresh or self._failure is not None:
-                    continue
-                self._fresh = False
-                self._do(self._writer.flush)
+                if self._failure is not None:
+                    return
+                if self._fresh:
+                    self._do(self._flush)
             try:
                 self._sink.sync()  # not under the lock: it may take long
             except OSError as error:

@@ -21,7 +21,7 @@ from igrip.rgbd import Array, Intrinsics, RgbdFrame
 log = logging.getLogger(__name__)
 
 MAGIC = b"\x89MCAP0\r\n"
-LARGEST = 1 << 28  # bytes of a chunk when unpacked; those igrip writes have about one MB
+LARGEST = 1 << 26  # bytes of a chunk when unpacked; those igrip writes have about one MB
 
 
 class Record(NamedTuple):
@@ -188,6 +188,9 @@ class McapReader:
                 return
             wanted = head[0] in (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE,
                                  Opcode.CHUNK)  # fmt: skip
+            if wanted and length > LARGEST:
+                raise RecordingError(f"{self.path}, byte {at}: a record of {length} bytes; at most "
+                                     f"{LARGEST} are read")  # fmt: skip
             if wanted:
                 yield at, head[0], file.read(length)
             else:
@@ -195,9 +198,7 @@ class McapReader:
             at += 9 + length
 
     def _malformed(self, record: Record, error: Exception) -> RecordingError:
-        return RecordingError(
-            f"{self.path}, message {record.number} of {record.topic}: {error}"
-        )
+        return RecordingError(f"{self.path}, message {record.number} of {record.topic}: {error}")
 
 
 def _unpack(opcode: int, body: bytes, known: _Tables) -> Iterator[Record]:
@@ -249,7 +250,9 @@ def _bounded(stream: Any) -> Any:
     elif chunk.compression == "lz4":
         import lz4.frame
 
-        size = max(size, lz4.frame.get_frame_info(chunk.data)["content_size"])
+        # the library would unpack it all, however much that is
+        unpacked = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1)
+        chunk.data, chunk.compression = unpacked, ""
     if size > LARGEST:
         raise RecordingError(f"a chunk of {size} bytes; at most {LARGEST} are read")
     return chunk

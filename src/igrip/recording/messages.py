@@ -102,9 +102,7 @@ def schema_of(topic: str) -> tuple[str, bytes]:
     a reference.
     """
     kind = next(kind for kind, name in _TOPICS.items() if name == topic)
-    if kind in (Observation, Intention):
-        schema = kind.json_schema()
-    else:
-        schema = msgspec.json.schema(kind)
+    # an Observation is no struct, so it makes its own
+    schema = kind.json_schema() if kind is Observation else msgspec.json.schema(kind)
     root = schema["$defs"][schema["$ref"].rpartition("/")[2]]
     return f"igrip.{kind.__name__}", msgspec.json.encode({**root, "$defs": schema["$defs"]})

@@ -14,7 +14,7 @@ from igrip.evaluation.trials import score_trial
 from igrip.objects.catalog import Catalog
 from igrip.plots import new_figure
 from igrip.recording.dataset import Dataset, Trial
-from igrip.recording.jsonl import JsonlReader
+from igrip.recording.files import open_recording
 from igrip.targets import best_of
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ def follow_trial(
     """Run an estimator over one trial again, and keep all it says of the task's hand."""
     estimator = Estimator(catalog, config)
     answers, speeds = [], []
-    for observation in JsonlReader(dataset.recording(trial)):
+    for observation in open_recording(dataset.recording(trial)):
         for intention in estimator.update(observation):
             if intention.hand == trial.hand:
                 motion = estimator.hands[intention.hand].motion

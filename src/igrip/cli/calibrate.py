@@ -1,0 +1,95 @@
+"""``igrip calibrate``: where cameras stand, from a board of tags."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from igrip.cameras.base import CameraError, open_camera, split_names
+from igrip.cameras.board import Board
+from igrip.cameras.calibration import Placement, collect, place_camera, write_calibration
+from igrip.cli.console import errors, output
+from igrip.errors import IgripError
+
+ODD_DEPTH = 0.03  # a camera's depth may differ so much from the board's before it is mentioned
+
+
+def calibrate(
+    camera: Annotated[
+        str | None, typer.Option(help="Cameras that see the board, joined by +: oak:ID1+oak:ID2.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="The file to write (.json).")
+    ] = None,
+    board: Annotated[
+        Path | None, typer.Option(help="Write the board here (.svg), to be printed at 100 %.")
+    ] = None,
+    tag_size: Annotated[
+        float,
+        typer.Option(help="Of a tag's black square on paper [m]; measure it.", min=0.001, max=1.0),
+    ] = Board().tag_size,
+    columns: Annotated[int, typer.Option(help="Tags in a row.", min=1, max=20)] = Board().columns,
+    rows: Annotated[int, typer.Option(help="Rows.", min=1, max=20)] = Board().rows,
+    seconds: Annotated[float, typer.Option(help="At most so long.", min=0.1)] = 5.0,
+) -> None:
+    """Find where cameras stand from a board of AprilTags that lies still where all of them see it.
+
+    The world then is the board's: its middle, x to its right, y to its top, z up. Use the file with
+    --calibration.
+
+    Example: igrip calibrate --board board.svg
+
+    Example: igrip calibrate --camera oak:ID1+oak:ID2 --out cameras.json
+    """
+    described = Board(columns=columns, rows=rows, tag_size=tag_size)
+    if board is not None:
+        _draw(board, described)
+    if camera is None:
+        if board is None:
+            raise IgripError("name the cameras (--camera), or a file for the board (--board)")
+        return
+    if out is None:
+        raise IgripError("name the file to write (--out)")
+    device = open_camera(camera)
+    try:
+        if note := getattr(device, "note", None):
+            errors.print(note, style="yellow", soft_wrap=True)
+        with errors.status("looking at the board …"):
+            views = collect(device, described, seconds, len(split_names(camera)))
+    finally:
+        device.close()
+    if len(views) < len(split_names(camera)):
+        raise CameraError(f"only {', '.join(views) or 'none'} of the cameras sent pictures")
+    placements = {name: place_camera(name, seen, described) for name, seen in views.items()}
+    write_calibration(out, placements, described)
+    for name, placed in placements.items():
+        _say(name, placed)
+    output.print(f"{out}: {len(placements)} cameras", soft_wrap=True)
+
+
+def _draw(path: Path, board: Board) -> None:
+    if path.suffix.lower() != ".svg":
+        raise IgripError(f"{path}: the board is written as .svg")
+    try:
+        path.write_text(board.svg(), encoding="utf-8")
+    except OSError as error:
+        raise IgripError(f"{path}: {error.strerror or error}") from error
+    output.print(f"{path}: print it at 100 %, measure a black square, glue it on something flat")
+
+
+def _say(name: str, placed: Placement) -> None:
+    x, y, z = placed.world_from_camera[:3, 3]
+    output.print(
+        f"{name}: at ({x:.3f}, {y:.3f}, {z:.3f}) m ± {1000 * placed.std:.1f} mm, "
+        f"{placed.tags} tags in {placed.views} pictures, {placed.error:.2f} pixels",
+        soft_wrap=True,
+    )
+    if placed.depth_ratio is not None and abs(placed.depth_ratio - 1.0) > ODD_DEPTH:
+        errors.print(
+            f"{name}: its depth says that the board is {placed.depth_ratio:.2f} times as far as "
+            "its tags say: was it printed at another size (--tag-size)?",
+            style="yellow",
+            soft_wrap=True,
+        )

@@ -1,0 +1,353 @@
+"""OAK cameras without one: depthai's own host nodes join and convert; the rest is a stand-in."""
+
+import os
+import threading
+import time
+from datetime import timedelta
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from igrip.cameras import oak
+from igrip.cameras.base import CameraError, open_camera
+
+WIDTH, HEIGHT = 64, 48
+MATRIX = [[50.0, 0, 31.5], [0, 51.0, 23.5], [0, 0, 1]]
+
+
+@pytest.fixture(scope="module")
+def dai():
+    pytest.importorskip("depthai", reason="OAK cameras: pip install 'igrip[oak]'")
+    return oak.load_depthai()
+
+
+def test_telemetry_is_off(dai):
+    assert os.environ["DEPTHAI_TELEMETRY"] == "0"
+
+
+def test_its_clock_is_the_hosts(dai):
+    offset = oak.clock_offset(dai)
+    assert dai.Clock.now().total_seconds() + offset == pytest.approx(time.monotonic(), abs=0.05)
+
+
+@pytest.mark.parametrize("name", ["oak", "oak:1234567890"])
+def test_no_device(dai, name):
+    if dai.Device.getAllAvailableDevices():
+        pytest.skip("an OAK is plugged in here")
+    with pytest.raises(CameraError, match="no OAK camera is found: plug it in"):
+        open_camera(name)
+
+
+def test_joining_and_converting_by_depthai_itself(dai):
+    """Pictures of two sources, 4 ms apart, some of them lost."""
+
+    class Source(dai.node.ThreadedHostNode):
+        def __init__(self, colour):
+            dai.node.ThreadedHostNode.__init__(self)
+            self.out = self.createOutput()
+            self.colour = colour
+
+        def run(self):
+            for k in range(1000):
+                if not self.isRunning():
+                    return
+                picture = dai.ImgFrame()
+                if self.colour:
+                    picture.setFrame(np.full((HEIGHT, WIDTH, 3), [k % 256, 1, 2], np.uint8))
+                    picture.setType(dai.ImgFrame.Type.RGB888i)
+                else:
+                    picture.setFrame(np.full((HEIGHT, WIDTH), 500 + k, np.uint16))
+                    picture.setType(dai.ImgFrame.Type.RAW16)
+                picture.setWidth(WIDTH)
+                picture.setHeight(HEIGHT)
+                picture.setTimestamp(timedelta(seconds=100 + k / 30 + 0.004 * (not self.colour)))
+                picture.setSequenceNum(k)
+                if k % 5 != 2 + self.colour:
+                    self.out.send(picture)
+                time.sleep(0.005)
+
+    pipeline = dai.Pipeline(False)
+    with pipeline:
+        colour, depth = pipeline.create(Source, True), pipeline.create(Source, False)
+        queue = oak.join(dai, pipeline, colour.out, depth.out, 30.0, on_host=True)
+        pipeline.start()
+        seen = []
+        for _ in range(8):
+            group = queue.get(timedelta(seconds=5))
+            assert group is not None
+            seen.append(oak.frame_of(dai, group, "oak-1", 7.0, lambda w, h: MATRIX))
+        pipeline.stop()
+    for frame in seen:
+        k = round((frame.t - 107) * 30)
+        assert frame.t == pytest.approx(107 + k / 30, abs=1e-5)
+        assert (frame.colour == [k % 256, 1, 2]).all()
+        assert np.allclose(frame.depth, (500 + k) / 1000)  # of the same moment
+        assert k % 5 not in (2, 3)
+        assert frame.intrinsics == (WIDTH, HEIGHT, 50.0, 51.0, 31.5, 23.5)
+    times = [frame.t for frame in seen]
+    assert times == sorted(set(times))
+
+
+def test_intrinsics_are_those_of_the_picture_that_was_sent(dai):
+    picture, depth = dai.ImgFrame(), dai.ImgFrame()
+    picture.setFrame(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+    picture.setType(dai.ImgFrame.Type.RGB888i)
+    depth.setFrame(np.zeros((HEIGHT, WIDTH), np.uint16))
+    depth.setType(dai.ImgFrame.Type.RAW16)
+    for one in (picture, depth):
+        one.setWidth(WIDTH)
+        one.setHeight(HEIGHT)
+    told = dai.ImgTransformation(WIDTH, HEIGHT, [[60, 0, 32], [0, 61, 24], [0, 0, 1]])
+    picture.setTransformation(told)
+    group = {"colour": picture, "depth": depth}
+    frame = oak.frame_of(dai, group, "oak-1", 0.0, lambda w, h: MATRIX)
+    assert frame.intrinsics == (WIDTH, HEIGHT, 60.0, 61.0, 32.0, 24.0)
+
+
+# a stand-in for the device -----------------------------------------------------------------------
+
+
+class Picture:
+    def __init__(self, array, t):
+        self.array, self.t = array, t
+
+    def getFrame(self):  # noqa: N802
+        return self.array
+
+    def getTransformation(self):  # noqa: N802
+        return None
+
+    def getTimestamp(self, offset):  # noqa: N802
+        assert offset == "middle"
+        return timedelta(seconds=self.t)
+
+
+class Queue:
+    """As depthai's: None after the timeout, an exception when it is closed."""
+
+    def __init__(self):
+        self.groups, self.closed = [], threading.Event()
+
+    def get(self, timeout):
+        if self.groups:
+            return self.groups.pop(0)
+        if self.closed.wait(min(timeout.total_seconds(), 0.01)):
+            raise RuntimeError("MessageQueue was closed")
+        return None
+
+
+class Node:
+    """Takes any call, and remembers it."""
+
+    def __init__(self, kind, calls):
+        self.kind, self.calls = kind, calls
+        self.inputs = {name: f"{kind}.{name}" for name in ("colour", "depth")}
+
+    def __getattr__(self, name):
+        if name.startswith("set") or name in ("link", "build", "requestOutput"):
+
+            def call(*positional, **named):
+                self.calls.append((self.kind, name, positional, named))
+                return Node(f"{self.kind}.{name}", self.calls)
+
+            return call
+        return Node(f"{self.kind}.{name}", self.calls)
+
+
+class FakeDai:
+    def __init__(self, chip="RVC2", stereo=True):
+        self.calls, self.queue = [], Queue()
+        self.running = True
+        self.Platform = SimpleNamespace(RVC2="RVC2", RVC4="RVC4")
+        self.CameraBoardSocket = SimpleNamespace(CAM_A="A", CAM_B="B", CAM_C="C")
+        self.CameraExposureOffset = SimpleNamespace(MIDDLE="middle")
+        self.ImgFrame = SimpleNamespace(Type=SimpleNamespace(RGB888i="rgb"))
+        self.Clock = SimpleNamespace(now=lambda: timedelta(seconds=time.monotonic() - 1000.0))
+        stereo_node = SimpleNamespace(PresetMode=SimpleNamespace(ROBOTICS="robotics"))
+        self.node = SimpleNamespace(
+            Camera="camera", StereoDepth=stereo_node, Sync="sync", ImageAlign="align"
+        )
+        fake = self
+        sockets = ["A", "B", "C"] if stereo else ["A"]
+
+        class Device:
+            closed = 0
+
+            getAllAvailableDevices = staticmethod(lambda: ["XYZ"])  # noqa: N815
+
+            def __init__(self, *info):
+                fake.device = self
+
+            getDeviceId = staticmethod(lambda: "XYZ")  # noqa: N815
+            getConnectedCameras = staticmethod(lambda: sockets)  # noqa: N815
+            getPlatform = staticmethod(lambda: chip)  # noqa: N815
+            readCalibration = staticmethod(  # noqa: N815
+                lambda: SimpleNamespace(getCameraIntrinsics=lambda socket, w, h: MATRIX)
+            )
+
+            def close(self):
+                Device.closed += 1
+
+        class Pipeline:
+            def __init__(self, device):
+                assert device is fake.device
+
+            def create(self, kind):
+                name = kind if isinstance(kind, str) else "stereo"
+                node = Node(name, fake.calls)
+                if name == "sync":
+                    node.out = SimpleNamespace(createOutputQueue=fake.open_queue)
+                return node
+
+            def start(self):
+                fake.calls.append(("pipeline", "start", (), {}))
+
+            def isRunning(self):  # noqa: N802
+                return fake.running
+
+            def stop(self):
+                fake.queue.closed.set()
+
+        self.Device, self.Pipeline = Device, Pipeline
+        self.DeviceInfo = lambda name: name
+
+    def open_queue(self, maxSize, blocking):
+        assert (maxSize, blocking) == (1, False)  # the newest wins
+        return self.queue
+
+    def links(self):
+        return {(kind, str(to[0] if isinstance(to[0], str) else to[0].kind))
+                for kind, name, to, _ in self.calls if name == "link"}  # fmt: skip
+
+
+@pytest.fixture
+def fake(monkeypatch):
+    fake = FakeDai()
+    monkeypatch.setattr(oak, "load_depthai", lambda: fake)
+    return fake
+
+
+def pair(t, k=0, shape=(HEIGHT, WIDTH)):
+    return {
+        "colour": Picture(np.full((HEIGHT, WIDTH, 3), k, np.uint8), t),
+        "depth": Picture(np.full(shape, 700 + k, np.uint16), t),
+    }
+
+
+def test_frames_of_a_device(fake):
+    camera = open_camera("oak:XYZ?size=64x48&fps=15")
+    base = time.monotonic() - 1000.0
+    fake.queue.groups += [pair(base + k / 15, k) for k in (0, 1, 1, 2)]
+    frames = []
+    for frame in camera:
+        frames.append(frame)
+        if len(frames) == 3:
+            break
+    camera.close()
+    camera.close()
+    assert [f.colour[0, 0, 0] for f in frames] == [0, 1, 2]  # the repeated one is left out
+    assert [f.depth[0, 0] for f in frames] == pytest.approx([0.7, 0.701, 0.702])
+    assert frames[0].camera == camera.name == "oak-XYZ"
+    assert frames[0].t == pytest.approx(base + 1000.0, abs=0.05)
+    assert np.diff([f.t for f in frames]) == pytest.approx([1 / 15] * 2, abs=0.05)
+    assert fake.device.closed == 1
+    asked = [named for kind, name, _, named in fake.calls if "requestOutput" in name]
+    assert {"type": "rgb", "fps": 15.0, "enableUndistortion": True} in asked
+
+
+def test_alignment_by_chip(fake, monkeypatch):
+    open_camera("oak?size=64x48").close()
+    assert ("camera.build.requestOutput", "stereo.inputAlignTo") in fake.links()
+    assert ("stereo.depth", "sync.depth") in fake.links()
+    later = FakeDai("RVC4")
+    monkeypatch.setattr(oak, "load_depthai", lambda: later)
+    open_camera("oak?size=64x48").close()
+    assert ("stereo.depth", "align.input") in later.links()
+    assert ("align.outputAligned", "sync.depth") in later.links()
+
+
+def test_unplugged(fake):
+    camera = open_camera("oak?size=64x48")
+    fake.queue.groups.append(pair(1.0))
+    iterator = iter(camera)
+    next(iterator)
+    fake.queue.closed.set()
+    with pytest.raises(CameraError, match=r"oak-XYZ has stopped .*still plugged in"):
+        next(iterator)
+    camera.close()
+
+
+def test_stopped_by_itself(fake):
+    camera = open_camera("oak?size=64x48")
+    fake.running = False
+    with pytest.raises(CameraError, match="still plugged in"):
+        next(iter(camera))
+
+
+def test_silence(fake, monkeypatch):
+    monkeypatch.setattr("igrip.cameras.polled.PATIENCE", 0.05)
+    camera = open_camera("oak?size=64x48")
+    fake.queue.groups.append(pair(1.0))
+    iterator = iter(camera)
+    next(iterator)
+    with pytest.raises(CameraError, match="sent no picture for 0 s; is it still plugged in"):
+        next(iterator)
+    monkeypatch.setattr("igrip.cameras.polled.WARM_UP", 0.05)
+    with pytest.raises(CameraError, match="sent no picture"):
+        next(iter(camera))
+
+
+def test_closing_from_another_thread_ends_the_wait(fake):
+    camera = open_camera("oak?size=64x48")
+    seen = []
+    thread = threading.Thread(target=lambda: seen.extend(camera))
+    thread.start()
+    time.sleep(0.05)
+    camera.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+    assert seen == []
+
+
+def test_depth_that_is_not_aligned_is_no_frame(fake):
+    camera = open_camera("oak?size=64x48")
+    fake.queue.groups.append(pair(1.0, shape=(40, 64)))
+    with pytest.raises(CameraError, match="is not aligned"):
+        next(iter(camera))
+
+
+def test_a_camera_without_stereo(monkeypatch):
+    fake = FakeDai(stereo=False)
+    monkeypatch.setattr(oak, "load_depthai", lambda: fake)
+    with pytest.raises(CameraError, match="no stereo pair"):
+        open_camera("oak?size=64x48")
+
+
+def test_an_odd_width():
+    with pytest.raises(CameraError, match="multiple of 16"):
+        open_camera("oak?size=100x48")
+
+
+def test_depthai_has_every_name_that_is_used(dai):
+    """What cannot be called without a device is at least there."""
+    used = {
+        dai: ("Device", "DeviceInfo", "Pipeline", "Clock"),
+        dai.Device: ("getAllAvailableDevices", "getDeviceId", "getConnectedCameras", "getPlatform",
+                     "readCalibration", "close"),
+        dai.Pipeline: ("create", "start", "stop", "isRunning"),
+        dai.Platform: ("RVC2", "RVC4"),
+        dai.CameraBoardSocket: ("CAM_A", "CAM_B", "CAM_C"),
+        dai.CameraExposureOffset: ("MIDDLE",),
+        dai.ImgFrame.Type: ("RGB888i",),
+        dai.CalibrationHandler: ("getCameraIntrinsics",),
+        dai.node.Camera: ("build", "requestOutput"),
+        dai.node.StereoDepth: ("setDefaultProfilePreset", "setLeftRightCheck", "setSubpixel",
+                               "inputAlignTo", "left", "right", "depth"),
+        dai.node.StereoDepth.PresetMode: ("ROBOTICS",),
+        dai.node.ImageAlign: ("input", "inputAlignTo", "outputAligned"),
+        dai.node.Sync: ("setRunOnHost", "setSyncThreshold", "inputs", "out"),
+    }  # fmt: skip
+    for owner, names in used.items():
+        assert [name for name in names if not hasattr(owner, name)] == []
+    assert "enableUndistortion" in dai.node.Camera.requestOutput.__doc__

@@ -1,0 +1,82 @@
+"""Recordings by their ending."""
+
+import errno
+import json
+
+import pytest
+
+import igrip
+from igrip import Intention, Observation
+from igrip.errors import RecordingError
+from igrip.evaluation.replay import run_trial
+from igrip.recording.dataset import Dataset
+from igrip.recording.files import open_recording, open_writer
+from igrip.recording.jsonl import JsonlReader, JsonlWriter
+from igrip.recording.mcap import McapReader, McapWriter
+
+
+@pytest.mark.parametrize(
+    ("name", "reader", "writer"),
+    [
+        ("a.jsonl", JsonlReader, JsonlWriter),
+        ("a.MCAP", McapReader, McapWriter),
+        ("a.mcap", McapReader, McapWriter),
+        ("a.txt", JsonlReader, JsonlWriter),
+    ],
+)
+def test_by_ending(tmp_path, name, reader, writer):
+    with open_writer(tmp_path / name) as file:
+        assert isinstance(file, writer)
+        file.write(Observation(t=1.0), trial=3)
+    again = open_recording(tmp_path / name)
+    assert isinstance(again, reader)
+    assert list(again) == [Observation(t=1.0)]
+
+
+def test_further_fields_of_an_intention(tmp_path):
+    told = Intention(t=1.0, hand="right", status="idle")
+    lines = {}
+    for name in ("a.jsonl", "a.mcap"):
+        with open_writer(tmp_path / name) as file:
+            file.write(told, recording="x")
+    lines["a.jsonl"] = (tmp_path / "a.jsonl").read_bytes().strip()
+    [record] = McapReader(tmp_path / "a.mcap").records(("/intentions",))
+    lines["a.mcap"] = record.data
+    assert lines["a.jsonl"] == lines["a.mcap"]
+    assert json.loads(lines["a.mcap"]) == told.to_dict() | {"recording": "x"}
+
+
+def test_a_dataset_of_mcap_is_the_dataset_of_jsonl(small_dataset):
+    """Its trials are found, and judged the same to the last bit."""
+    catalog = igrip.load_objects(*small_dataset.objects)
+    config = igrip.Config(targets="paper")
+
+    def judged():
+        dataset = Dataset.open(small_dataset.path)
+        return [run_trial(dataset, trial, catalog, config) for trial in dataset.trials]
+
+    before = judged()
+    for trial in small_dataset.trials:
+        path = small_dataset.recording(trial)
+        with McapWriter(path.with_suffix(".mcap")) as file:
+            for observation in JsonlReader(path):
+                file.write(observation)
+        path.unlink()
+    after = judged()
+    assert [told for _, told in after] == [told for _, told in before]
+    assert repr(after) == repr(before)
+    assert before[0][0].problem is None
+
+
+def test_lines_on_a_full_disk(tmp_path):
+    writer = JsonlWriter(tmp_path / "a.jsonl")
+    real = writer._file
+
+    class Full:
+        def write(self, data):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    writer._file = Full()
+    with pytest.raises(RecordingError, match="No space left on device; what was recorded"):
+        writer.write(Observation(t=1.0))
+    real.close()
