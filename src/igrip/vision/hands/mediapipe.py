@@ -22,7 +22,6 @@ from igrip.vision.hands.base import HANDS, HandSeen
 from igrip.vision.hands.model import hand_model
 from igrip.vision.hands.views import View, around, distinct, search_views
 
-
 PATIENCE = 3  # frames without the hand until a view of it is given up; guess
 
 
@@ -37,7 +36,7 @@ class MediaPipeConfig(Settings):
         1, "1", "views searched in a frame with fewer hands than expected", "docs/hands.md", ge=0
     )
     every: int = quantity(
-        10, "1", "frames between views searched for hands that nobody expects", "docs/hands.md",
+        5, "1", "frames between views searched for hands that nobody expects", "docs/hands.md",
         ge=1,
     )  # fmt: skip
 
