@@ -20,7 +20,7 @@ from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings, quantity
 from igrip.vision.hands.base import HANDS, HandSeen
 from igrip.vision.hands.model import hand_model
-from igrip.vision.hands.views import View, around, distinct, search_views
+from igrip.vision.hands.views import View, around, distinct, is_stump, search_views
 
 PATIENCE = 3  # frames without the hand until a view of it is given up; guess
 
@@ -154,7 +154,12 @@ class MediaPipeHands:
             camera.second = self._landmarker("VIDEO", 1)
         camera.looks += 1
         answer = camera.second.detect_for_video(self._image(seen), camera.looks)
-        return distinct([*hands, *_hands(answer, seen, back)])
+        finds = [
+            find
+            for find in _hands(answer, seen, back)
+            if not any(is_stump(find.landmarks, known.landmarks) for known in hands)
+        ]
+        return distinct([*hands, *finds])
 
     def _landmarker(self, mode: str, hands: int) -> Any:
         options = self._vision.HandLandmarkerOptions(

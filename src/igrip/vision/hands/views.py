@@ -22,6 +22,8 @@ SIDE = 512  # pixels of a view at most: the landmark network sees a hand at 224
 TURNS = (60.0, 150.0, 240.0, 330.0, 0.0)  # it is not alike in all directions; docs/hands.md
 AROUND = 5.5  # side of a view round one hand, in lengths of its palm; docs/hands.md
 PALM = (0, 5, 17)
+FOREARM = 1.0  # lengths of a palm that are covered beyond the wrist; docs/hands.md
+STUMP = 0.8  # lengths of its palm from the wrist of a covered hand, at least; docs/hands.md
 SAME = 0.5  # lengths of a palm between two finds of one hand, at most; guess
 GROWN = 0.15  # lengths of a palm that flesh reaches beyond the landmarks; docs/hands.md
 
@@ -117,6 +119,15 @@ def same_hand(one: Array, other: Array) -> bool:
     return bool(palms < reach and np.linalg.norm(one[0] - other[0]) < reach)
 
 
+def is_stump(find: Array, known: Array) -> bool:
+    """Whether a find, (21, 2), is what is left of a covered hand: an arm that ends in a blob.
+
+    It lies where the covered wrist is; the other of two clasped hands comes from elsewhere.
+    """
+    away = np.linalg.norm(find[list(PALM)].mean(axis=0) - known[0])
+    return bool(away < STUMP * palm_length(find))
+
+
 def distinct(hands: list[HandSeen]) -> list[HandSeen]:
     """Return the hands without repeats, of which the first is kept."""
     kept: list[HandSeen] = []
@@ -134,7 +145,10 @@ def covered(picture: NDArray[np.uint8], hands: list[Array]) -> NDArray[np.uint8]
     for landmarks in hands:
         grown = max(2, int(GROWN * palm_length(landmarks)))
         mask = np.zeros(picture.shape[:2], np.uint8)
-        hull = cv2.convexHull(np.round(landmarks).astype(np.int32))
+        forearm = landmarks[0] - landmarks[list(PALM)].mean(axis=0)
+        forearm *= FOREARM * palm_length(landmarks) / max(float(np.linalg.norm(forearm)), 1.0)
+        outline = np.vstack([landmarks, landmarks[0] + forearm])
+        hull = cv2.convexHull(np.round(outline).astype(np.int32))
         cv2.fillConvexPoly(mask, hull, 1)
         cv2.polylines(mask, [hull], True, 1, 2 * grown)
         ring = mask.copy()
