@@ -24,6 +24,8 @@ AROUND = 5.5  # side of a view round one hand, in lengths of its palm; docs/hand
 PALM = (0, 5, 17)
 FOREARM = 1.0  # lengths of a palm that are covered beyond the wrist; docs/hands.md
 STUMP = 0.8  # lengths of its palm from the wrist of a covered hand, at least; docs/hands.md
+DOWN = 0.7  # cosine of half the angle of the wedge in which the arm lies; docs/hands.md
+ARM = 4.0  # lengths of a palm that an arm goes on for; guess
 SAME = 0.5  # lengths of a palm between two finds of one hand, at most; guess
 GROWN = 0.15  # lengths of a palm that flesh reaches beyond the landmarks; docs/hands.md
 
@@ -122,10 +124,16 @@ def same_hand(one: Array, other: Array) -> bool:
 def is_stump(find: Array, known: Array) -> bool:
     """Whether a find, (21, 2), is what is left of a covered hand: an arm that ends in a blob.
 
-    It lies where the covered wrist is; the other of two clasped hands comes from elsewhere.
+    It lies where the covered wrist is, or down the arm; the other of two clasped hands comes from
+    elsewhere.
     """
-    away = np.linalg.norm(find[list(PALM)].mean(axis=0) - known[0])
-    return bool(away < STUMP * palm_length(find))
+    from_wrist = find[list(PALM)].mean(axis=0) - known[0]
+    away = float(np.linalg.norm(from_wrist))
+    if away < STUMP * palm_length(find):
+        return True
+    forearm = known[0] - known[list(PALM)].mean(axis=0)
+    along = from_wrist @ forearm / max(away * float(np.linalg.norm(forearm)), 1e-9)
+    return bool(along > DOWN and away < ARM * palm_length(known))
 
 
 def distinct(hands: list[HandSeen]) -> list[HandSeen]:
