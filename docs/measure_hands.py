@@ -7,6 +7,7 @@ of docs/hands.md; times are of one core.
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
 import time
@@ -72,19 +73,23 @@ def tell(name: str, found: list[list[HandSeen]], took: NDArray[np.float64]) -> N
 def beside_itself(picture: Picture) -> Picture:
     """Return a picture of 1280 × 720 with the scene and its mirror image side by side."""
     half = cv2.resize(picture, (640, 360), interpolation=cv2.INTER_AREA)
-    return cv2.copyMakeBorder(np.hstack([half, half[:, ::-1]]), 180, 180, 0, 0, cv2.BORDER_REPLICATE)
+    return cv2.copyMakeBorder(
+        np.hstack([half, half[:, ::-1]]), 180, 180, 0, 0, cv2.BORDER_REPLICATE
+    )
 
 
 def of_the_film(path: Path) -> None:
-    """One hand, two hands, and a hand that comes and goes."""
+    """Look at one hand, two hands, and a hand that comes and goes."""
     frames = list(video(path))
     found, took = run(frames, MediaPipeConfig())
     tell("film, one hand, up to two looked for", found, took)
     labels = [hands[0].label for hands in found if hands]
-    flips = sum(a != b for a, b in zip(labels, labels[1:], strict=False))
+    flips = sum(a != b for a, b in itertools.pairwise(labels))
     print(f"  found in {np.mean([len(h) > 0 for h in found]):.2%}; labels flip {flips} times")
     tell("film, up to one looked for", *run(frames, MediaPipeConfig(hands=1)))
-    tell("film and its mirror image, two hands", *run(map(beside_itself, frames), MediaPipeConfig()))
+    tell(
+        "film and its mirror image, two hands", *run(map(beside_itself, frames), MediaPipeConfig())
+    )
     tell("film, searched every frame for a second", *run(frames, MediaPipeConfig(every=1)))
     dark = np.zeros_like(frames[0])
     found, _ = run((dark if k % 60 < 15 else p for k, p in enumerate(frames)), MediaPipeConfig())
@@ -103,7 +108,7 @@ def there(hands: list[HandSeen], palm: NDArray[np.float64], within: float) -> bo
 
 
 def of_the_stills(folder: Path) -> None:
-    """The clasped hands, as they are and in fifteen variants each, looked at for three seconds."""
+    """Look at the clasped hands for three seconds, as they are and in fifteen variants."""
     for name, palms in STILLS.items():
         picture = still(folder / name)
         rng = np.random.default_rng(1)
@@ -128,7 +133,7 @@ def of_the_stills(folder: Path) -> None:
 
 
 def of_nothing(folder: Path) -> None:
-    """Pictures without hands, searched in every frame."""
+    """Search pictures without hands, in every frame."""
     for name in ("ycbv_000629_rgb.png", *STILLS):
         picture = still(folder / name)
         if name in STILLS:
