@@ -191,5 +191,5 @@ class HandIdentities:
             total = sum(track.votes.values()) or 1.0
             share[i] = [track.votes.get(name, 0.0) / total for name in free]
             share[i] -= 1e-3 * np.arange(len(free))  # without labels: in the order of the ids
-        for i, j in zip(*linear_sum_assignment(-share), strict=True):
-            ready[int(i)].id = free[int(j)]
+        for row, column in zip(*linear_sum_assignment(-share), strict=True):
+            ready[int(row)].id = free[int(column)]
