@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from igrip.rgbd import Intrinsics, RgbdFrame
 
-CAMERA = Intrinsics(1280, 720, 900.0, 902.0, 641.5, 358.0)
+CAMERA = Intrinsics(640, 400, 600.0, 602.0, 321.5, 198.0)
 FINER = 3
 
 

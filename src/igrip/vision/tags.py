@@ -14,13 +14,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.errors import MissingExtraError
+from igrip.errors import MissingExtraError, UnknownNameError
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 Array = NDArray[np.float64]
 
+FAMILIES = ("tag16h5", "tag25h9", "tag36h11", "tagStandard41h12", "tagStandard52h13")
 LEAST_MARGIN = 20.0  # how surely the bits of a tag are read, 0 to about 150; guess
-CORNER_NOISE = 0.25  # pixels, at least; docs/tags.md
+CORNER_NOISE = 0.2  # pixels, at least; docs/tags.md
 ALIKE = math.radians(8.0)  # two poses that differ by less are one; guess
 DECIDED = 12.0  # by how much the second pose must be worse, in squared deviations; guess
 WORST = 2.0  # pixels a corner may be off, root mean square; guess
@@ -103,6 +104,8 @@ class TagDetector:
     ------
     MissingExtraError
         If pupil-apriltags is not installed.
+    UnknownNameError
+        If there is no such family.
     """
 
     def __init__(self, family: str = "tag36h11", decimate: float = 2.0) -> None:
@@ -112,10 +115,21 @@ class TagDetector:
         except ImportError as error:
             package = "opencv-python-headless" if error.name == "cv2" else "pupil-apriltags"
             raise MissingExtraError(package, "poses", "finding tags") from None
+
+        class Detector(pupil_apriltags.Detector):  # type: ignore[misc]
+            """Freed in the right order: pupil-apriltags frees what its detector still uses."""
+
+            def __del__(self) -> None:
+                pointer: Any = getattr(self, "tag_detector_ptr", None)
+                self.tag_detector_ptr = None
+                if pointer is not None:
+                    self.libc.apriltag_detector_destroy.restype = None
+                    self.libc.apriltag_detector_destroy(pointer)
+
         self._cv2 = cv2
-        self._detector: Any = pupil_apriltags.Detector(
-            families=family, nthreads=1, quad_decimate=decimate
-        )
+        if family not in FAMILIES:
+            raise UnknownNameError("tag family", family, FAMILIES)
+        self._detector: Any = Detector(families=family, nthreads=1, quad_decimate=decimate)
 
     def find(self, frame: RgbdFrame) -> list[TagSeen]:
         """Return the tags in the colour picture; a number that is there twice is left out."""
