@@ -1,0 +1,154 @@
+"""Measure the hand finder on real pictures: what is found, what is not, how fast.
+
+``python docs/measure_hands.py FOLDER`` with the folder of ``hand_720p.mp4``,
+``experiment_side_a.png``, ``experiment_side_b.png`` and ``ycbv_000629_rgb.png``. Prints the tables
+of docs/hands.md; times are of one core.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.vision.hands.base import HandSeen
+from igrip.vision.hands.mediapipe import MediaPipeConfig, MediaPipeHands
+from igrip.vision.hands.views import PALM, covered
+
+Picture = NDArray[np.uint8]
+RATE = 30.0
+# where a person sees the palms of the two hands in the stills [pixels]
+STILLS = {
+    "experiment_side_a.png": ((135, 315), (203, 360)),
+    "experiment_side_b.png": ((655, 345), (582, 395)),
+}
+
+
+def video(path: Path) -> Iterator[Picture]:
+    """Yield the pictures of a film."""
+    film = cv2.VideoCapture(str(path))
+    while True:
+        good, picture = film.read()
+        if not good:
+            return
+        yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+
+
+def still(path: Path) -> Picture:
+    """Return one picture."""
+    return cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
+
+
+def run(
+    pictures: Iterable[Picture], config: MediaPipeConfig
+) -> tuple[list[list[HandSeen]], NDArray[np.float64]]:
+    """Return what is found in each picture, and how long each took [ms]."""
+    finder = MediaPipeHands(config)
+    found, took = [], []
+    for k, picture in enumerate(pictures):
+        height, width = picture.shape[:2]
+        camera = Intrinsics(width, height, width, width, width / 2, height / 2)
+        begin = time.perf_counter()
+        found.append(finder.find(RgbdFrame(k / RATE, picture, None, camera)))
+        took.append(1e3 * (time.perf_counter() - begin))
+    finder.close()
+    return found, np.array(took)
+
+
+def tell(name: str, found: list[list[HandSeen]], took: NDArray[np.float64]) -> None:
+    """Print how many frames had how many hands, and the times."""
+    counts = np.bincount([len(hands) for hands in found])
+    p50, p90, p99 = np.percentile(took, [50, 90, 99])
+    print(f"{name:44} hands {dict(enumerate(counts))}  {p50:.1f} / {p90:.1f} / {p99:.1f} ms")
+
+
+def beside_itself(picture: Picture) -> Picture:
+    """Return a picture of 1280 × 720 with the scene and its mirror image side by side."""
+    half = cv2.resize(picture, (640, 360), interpolation=cv2.INTER_AREA)
+    return cv2.copyMakeBorder(
+        np.hstack([half, half[:, ::-1]]), 180, 180, 0, 0, cv2.BORDER_REPLICATE
+    )
+
+
+def of_the_film(path: Path) -> None:
+    """Look at one hand, two hands, and a hand that comes and goes."""
+    frames = list(video(path))
+    found, took = run(frames, MediaPipeConfig())
+    tell("film, one hand, up to two looked for", found, took)
+    labels = [hands[0].label for hands in found if hands]
+    flips = sum(a != b for a, b in itertools.pairwise(labels))
+    print(f"  found in {np.mean([len(h) > 0 for h in found]):.2%}; labels flip {flips} times")
+    tell("film, up to one looked for", *run(frames, MediaPipeConfig(hands=1)))
+    tell(
+        "film and its mirror image, two hands", *run(map(beside_itself, frames), MediaPipeConfig())
+    )
+    tell("film, searched every frame for a second", *run(frames, MediaPipeConfig(every=1)))
+    dark = np.zeros_like(frames[0])
+    found, _ = run((dark if k % 60 < 15 else p for k, p in enumerate(frames)), MediaPipeConfig())
+    back = [
+        next((n for n in range(45) if k + n < len(found) and found[k + n]), 45)
+        for k in range(15, len(found) - 1, 60)
+    ]
+    ghosts = sum(len(hands) for k, hands in enumerate(found) if k % 60 < 15)
+    print(f"  hidden for 0.5 s, found anew after {back} frames; {ghosts} found where none was")
+
+
+def there(hands: list[HandSeen], palm: NDArray[np.float64], within: float) -> bool:
+    """Whether a hand was found at a place."""
+    centres = [hand.landmarks[list(PALM)].mean(axis=0) for hand in hands]
+    return any(np.linalg.norm(centre - palm) < within for centre in centres)
+
+
+def of_the_stills(folder: Path) -> None:
+    """Look at the clasped hands for three seconds, as they are and in fifteen variants."""
+    for name, palms in STILLS.items():
+        picture = still(folder / name)
+        rng = np.random.default_rng(1)
+        first, held, extra = [], [], 0
+        for variant in range(16):
+            scale = rng.uniform(0.8, 2.0) if variant else 1.0
+            light = rng.uniform(0.7, 1.2) if variant else 1.0
+            seen = cv2.convertScaleAbs(cv2.resize(picture, None, fx=scale, fy=scale), alpha=light)
+            found, _ = run([seen] * 90, MediaPipeConfig())
+            all_there = [
+                [there(hands, scale * np.array(palm), 40 * scale) for palm in palms]
+                for hands in found
+            ]
+            done = [all(pair) for pair in all_there]
+            first.append(done.index(True) if any(done) else None)
+            held.append(np.mean(all_there[-30:], axis=0).round(2).tolist())
+            extra += sum(len(hands) - sum(p) for hands, p in zip(found, all_there, strict=True))
+            if not variant:
+                print(f"{name}: both from frame {first[0]} on, each in the last second {held[0]}")
+        times = sum(f is not None for f in first)
+        print(f"  variants: both found in {times} of 16; from frame {first}; {extra} wrong finds")
+
+
+def of_nothing(folder: Path) -> None:
+    """Search pictures without hands, in every frame."""
+    for name in ("ycbv_000629_rgb.png", *STILLS):
+        picture = still(folder / name)
+        if name in STILLS:
+            found, _ = run([picture] * 60, MediaPipeConfig(every=1))
+            most = max(found, key=len)
+            picture = covered(picture, [hand.landmarks for hand in most])
+        found, took = run([picture] * 60, MediaPipeConfig(every=1))
+        tell(f"{name}, hands covered", found, took)
+
+
+if __name__ == "__main__":
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    cv2.setNumThreads(1)
+    data = Path(sys.argv[1])
+    of_the_film(data / "hand_720p.mp4")
+    of_the_stills(data)
+    of_nothing(data)

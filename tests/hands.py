@@ -1,0 +1,31 @@
+"""Pictures with hands for the tests of vision."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from igrip.errors import IgripError
+from igrip.rgbd import Intrinsics, RgbdFrame
+
+CAMERA = Intrinsics(640, 480, 450.0, 450.0, 320.0, 240.0)
+
+
+def find_hands_or_skip(**config):
+    """Return a hand finder; the test is skipped where there is neither cache nor network."""
+    from igrip.vision.hands.mediapipe import MediaPipeConfig, MediaPipeHands
+
+    try:
+        return MediaPipeHands(MediaPipeConfig(**config))
+    except IgripError as error:
+        pytest.skip(f"no hand finder: {error}")
+
+
+def desk(seed=0, camera=CAMERA, depth=1.1):
+    """Return a frame of a desk before a wall: plain, with a little noise."""
+    rng = np.random.default_rng(seed)
+    picture = np.full((camera.height, camera.width, 3), (190, 180, 165), np.float64)
+    picture[: camera.height // 3] = (120, 125, 130)
+    picture += rng.normal(0.0, 4.0, picture.shape)
+    far = np.full((camera.height, camera.width), depth, np.float32)
+    return RgbdFrame(0.0, np.clip(picture, 0, 255).astype(np.uint8), far, camera)
