@@ -7,9 +7,6 @@ import numpy as np
 from igrip.compiled import kernel
 from igrip.vision.registration.field import look_up
 
-# of how many of the points the wish to rest on the table has the weight; guess
-HOLD = 0.3
-
 
 @kernel
 def turn(rotation, translation, about, w, shift):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing, label
+from scipy.ndimage import binary_closing, grey_dilation, label
 from scipy.spatial import ConvexHull, QhullError
 
 Array = NDArray[np.float64]
@@ -15,6 +15,8 @@ CELL = 0.008  # of the grid on the table [m]; a gap of two cells parts two group
 TABLE_CELL = 0.02  # of the grid that says where the table is [m]
 LOWEST, HIGHEST = 0.012, 0.5  # what is looked at above the table [m]; guess
 LEAST = 30  # points of a group, at least
+DEEPEST, SUNK = 0.3, 0.025  # what is between them under the plane is no table, nor on one [m]
+PASSING = 0.2  # with so many points under it, in shares of its own, a group passes the table by
 BEYOND = 0.02  # what stands so far beyond the table's edge still stands on it [m]
 
 
@@ -56,27 +58,36 @@ def clusters_above(points: Array, depths: Array, spread: float) -> list[Cluster]
     lowest = np.maximum(LOWEST, 3.0 * noise)
     above = (points[:, 2] > lowest) & (points[:, 2] < HIGHEST)
     above[above] &= _on_table(points[above, :2], points[table, :2])
+    under = points[(points[:, 2] < -SUNK - 3.0 * noise) & (points[:, 2] > -DEEPEST), :2]
     points, depths = points[above], depths[above]
     if len(points) < LEAST:
         return []
-    groups = _grouped(points[:, :2])
+    groups, sunk = _grouped(points[:, :2], under)
     result = []
     for number in range(1, groups.max() + 1):
         own = groups == number
-        if own.sum() >= LEAST:
+        if own.sum() >= LEAST and sunk[number] < PASSING * own.sum():
             top = float(np.percentile(points[own, 2], 97.0))
             result.append(Cluster(points[own], depths[own], top))
     return sorted(result, key=lambda cluster: -len(cluster.points))
 
 
-def _grouped(points: Array) -> NDArray[np.int64]:
-    """Return the number of the group of each point of the table (n, 2), from 1; 0: alone."""
-    cells = np.floor((points - points.min(axis=0)) / CELL).astype(np.int64)
-    counts = np.zeros(cells.max(axis=0) + 1, dtype=np.int64)
+def _grouped(points: Array, under: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the number of the group of each point of the table (n, 2), from 1; 0: alone.
+
+    And how many points under the table (m, 2) are beneath each group, by number.
+    """
+    low = points.min(axis=0)
+    cells = np.floor((points - low) / CELL).astype(np.int64) + 1
+    counts = np.zeros(cells.max(axis=0) + 2, dtype=np.int64)
     np.add.at(counts, (cells[:, 0], cells[:, 1]), 1)
-    numbers, _ = label(counts >= 2, structure=np.ones((3, 3)))
+    numbers, found = label(counts >= 2, structure=np.ones((3, 3)))
     result: NDArray[np.int64] = numbers[cells[:, 0], cells[:, 1]]
-    return result
+    beneath = np.floor((under - low) / CELL).astype(np.int64) + 1
+    inside = ((beneath >= 0) & (beneath < counts.shape)).all(axis=1)
+    beside = grey_dilation(numbers, size=(3, 3))
+    sunk = np.bincount(beside[tuple(beneath[inside].T)], minlength=found + 1)
+    return result, sunk
 
 
 def _on_table(points: Array, table: Array) -> NDArray[np.bool_]:

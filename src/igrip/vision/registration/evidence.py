@@ -12,6 +12,40 @@ GRAZING = 0.15  # a surface seen at a lesser cosine says nothing
 CLEAR = 0.003  # first step from the surface towards the camera [m]
 
 
+STEP = 2  # between the nine pixels a depth is averaged over
+SLOPE = 0.012  # how far they may be from the one in the middle, besides noise [m]; guess
+
+
+@kernel
+def local_depth(depth, u, v):
+    """Return the mean depth of nine pixels about one, without those of another surface; 0: none.
+
+    Errors of stereo are alike over a few pixels; hence pixels two apart.
+    """
+    middle = depth[v, u]
+    if not middle > 0.0:
+        return 0.0
+    near = SLOPE + 0.015 * middle * middle
+    total, count = 0.0, 0
+    for i in range(-STEP, STEP + 1, STEP):
+        for j in range(-STEP, STEP + 1, STEP):
+            if 0 <= v + i < depth.shape[0] and 0 <= u + j < depth.shape[1]:
+                z = depth[v + i, u + j]
+                if z > 0.0 and abs(z - middle) < near:
+                    total += z
+                    count += 1
+    return total / count
+
+
+@kernel
+def smoothed(depth, stride, nearest, farthest, out):
+    """Write the local depth of every ``stride``-th pixel, 0 where it is out of reach [m]."""
+    for v in range(out.shape[0]):
+        for u in range(out.shape[1]):
+            z = local_depth(depth, u * stride, v * stride)
+            out[v, u] = z if nearest <= z <= farthest else 0.0
+
+
 @kernel
 def tolerance(z, base, spread):
     """Return within which distance a measurement at depth z fits [m]."""
@@ -92,7 +126,7 @@ def judge(
         if u < 0 or v < 0 or u >= depth.shape[1] or v >= depth.shape[0]:
             evidence[OUTSIDE] += weight
             continue
-        seen = depth[v, u]
+        seen = local_depth(depth, u, v)
         if mask[v, u]:
             evidence[HIDDEN] += weight
             continue

@@ -169,7 +169,7 @@ def judged(fit: Fit, view: View) -> Fit:
     )
 
 
-HOLD = 0.3  # resting weighs as much as so large a share of the points; guess
+HOLD = 0.03  # resting weighs as much as so large a share of the points: meshes and tables err; guess
 ALIKE = 30.0  # points whose errors are one error, as stereo's are alike over a few pixels; guess
 FLOOR = 0.002  # what meshes and calibration are wrong by [m]; guess
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.vision.registration.evidence import smoothed
 from igrip.vision.registration.plane import Plane
 
 Array = NDArray[np.float64]
@@ -67,12 +68,14 @@ def points_of(
 ) -> tuple[Array, NDArray[np.int64]]:
     """Return the measured points (n, 3) in the camera's frame [m], and their pixels (n, 2).
 
-    Only every ``stride``-th pixel, and only depths within ``reach`` [m].
+    Only every ``stride``-th pixel, and only depths within ``reach`` [m]; each depth is averaged over
+    the pixels about it.
     """
-    some = depth[::stride, ::stride]
-    v, u = np.nonzero((some >= reach[0]) & (some <= reach[1]))
+    some = np.empty(tuple(-(-n // stride) for n in depth.shape))
+    smoothed(depth, stride, *reach, some)
+    v, u = np.nonzero(some)
     pixels = np.stack([u, v], axis=1) * stride
-    return intrinsics.points(pixels.astype(np.float64), some[v, u].astype(np.float64)), pixels
+    return intrinsics.points(pixels.astype(np.float64), some[v, u]), pixels
 
 
 def hand_mask(
