@@ -49,7 +49,7 @@ class View:
     @property
     def camera_from_table(self) -> Array:
         """The inverse of ``table_from_camera``."""
-        return _inverse(self.table_from_camera)
+        return inverse(self.table_from_camera)
 
 
 def view_of(frame: RgbdFrame, hands: Sequence[Array], plane: Plane, base: float) -> View:
@@ -111,7 +111,8 @@ def hand_mask(
     return mask
 
 
-def _inverse(pose: Array) -> Array:
+def inverse(pose: Array) -> Array:
+    """Return the inverse of a rigid pose, shape (4, 4)."""
     result = np.eye(4)
     result[:3, :3] = pose[:3, :3].T
     result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
