@@ -21,14 +21,16 @@ from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings, quantity
 from igrip.vision.poses.base import POSES, PoseFinder
 from igrip.vision.registration.colours import Palette, likeness, palette_of, read_picture
-from igrip.vision.registration.fit import Fit
+from igrip.vision.registration.fit import Fit, settled
 from igrip.vision.registration.plane import Plane, find_plane
 from igrip.vision.registration.search import search
 from igrip.vision.registration.shape import Shape, shape_of
-from igrip.vision.registration.track import Track, follow
+from igrip.vision.registration.track import Track, follow, nearby
 from igrip.vision.registration.view import View, inverse, points_of, view_of
 
 Array = NDArray[np.float64]
+
+DENSE = 3000  # points that a new object is fitted to in the end
 
 
 class DepthOptions(Settings):
@@ -201,7 +203,8 @@ class DepthPoses:
             table, points[:, 2], wanted, [track.fit for track in seen.values()], view,
             self.options.threshold, weigh, self._random,
         )  # fmt: skip
-        for id, fit in found.items():
+        for id, rough in found.items():
+            fit = settled(rough, *nearby(rough, view, DENSE), view)
             camera.tracks[id] = Track(fit, frame.t, fit.hidden)
             camera.lost.discard(id)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from igrip.vision.registration.evidence import (
     explained,
     judge,
 )
+from igrip.vision.registration.field import look_up_all
 from igrip.vision.registration.shape import Shape
 from igrip.vision.registration.starts import try_starts
 from igrip.vision.registration.view import View
@@ -152,6 +153,35 @@ def refit(fit: Fit, points: Array, depths: Array, view: View, widest: float, ste
         _std(information, rms, weight, shape.radius),
     )  # fmt: skip
     return judged(moved, view)
+
+
+def settled(fit: Fit, points: Array, depths: Array, view: View) -> Fit:
+    """Fit to all points near, as it is and turned half round about the vertical; the better.
+
+    Bottles look nearly alike from both sides: a few hundred points do not tell.
+    """
+    about = fit.rotation @ fit.shape.middle + fit.translation
+    half = np.diag([-1.0, -1.0, 1.0])
+    turned = replace(
+        fit, rotation=half @ fit.rotation, translation=half @ (fit.translation - about) + about
+    )
+    ways = [refit(way, points, depths, view, 0.02, 12) for way in (fit, turned)]
+    misfits = [misfit(way, points, view) for way in ways]
+    return ways[int(np.argmin(misfits))]
+
+
+def misfit(fit: Fit, points: Array, view: View) -> float:
+    """Return the mean squared distance of points from the mesh, in shares of the tolerance.
+
+    Far points count as those at twice the tolerance do.
+    """
+    camera = view.camera_from_table
+    depths = points @ camera[2, :3] + camera[2, 3]
+    limits = 2.0 * (view.base + 2.5 * view.spread * depths**2)
+    local = (points - fit.translation) @ fit.rotation
+    distances = np.empty(len(points))
+    look_up_all(*fit.shape.field, np.ascontiguousarray(local), distances)
+    return float(np.minimum((distances / limits) ** 2, 1.0).mean())
 
 
 def judged(fit: Fit, view: View) -> Fit:

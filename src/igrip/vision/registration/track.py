@@ -89,14 +89,17 @@ def follow(track: Track, view: View, t: float) -> Track:
     return replace(track, state="hidden", doubts=0)
 
 
-def nearby(fit: Fit, view: View) -> tuple[Array, Array]:
-    """Return measured points near a shape (n, 3), in the frame of the table, and their depths."""
+def nearby(fit: Fit, view: View, many: int = MANY) -> tuple[Array, Array]:
+    """Return measured points near a shape, in the frame of the table (n, 3), and their depths.
+
+    There are about as many as asked for, seldom more than four times that.
+    """
     shape = fit.shape
     away = view.camera_from_table[:3, :3] @ (fit.rotation @ shape.middle + fit.translation)
     z = max(0.1, float(away[2] + view.camera_from_table[2, 3]))
     pixels = (view.pinhole[0] * shape.radius / z) ** 2  # of its side, about
-    stride = max(1, round(float(np.sqrt(pixels / MANY))))
-    points, depths = np.empty((4 * MANY, 3)), np.empty(4 * MANY)
+    stride = max(1, round(float(np.sqrt(pixels / many))))
+    points, depths = np.empty((4 * many, 3)), np.empty(4 * many)
     count = points_near(
         view.depth, view.mask, view.pinhole, view.table_from_camera, fit.rotation, fit.translation,
         shape.middle, shape.radius, *shape.field, GATE, LOWEST - 0.004, view.spread, stride,
