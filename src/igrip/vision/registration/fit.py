@@ -156,18 +156,28 @@ def refit(fit: Fit, points: Array, depths: Array, view: View, widest: float, ste
 
 
 def settled(fit: Fit, points: Array, depths: Array, view: View) -> Fit:
-    """Fit to all points near, as it is and turned half round about the vertical; the better.
+    """Fit to all points near, as it is and half round about each of its axes; the best of these.
 
-    Bottles look nearly alike from both sides: a few hundred points do not tell.
+    Boxes and bottles look nearly alike then: a few hundred points do not tell.
     """
-    about = fit.rotation @ fit.shape.middle + fit.translation
-    half = np.diag([-1.0, -1.0, 1.0])
-    turned = replace(
-        fit, rotation=half @ fit.rotation, translation=half @ (fit.translation - about) + about
-    )
-    ways = [refit(way, points, depths, view, 0.02, 12) for way in (fit, turned)]
+    ways = [refit(way, points, depths, view, 0.02, 12) for way in (fit, *_half_turned(fit))]
     misfits = [misfit(way, points, view) for way in ways]
     return ways[int(np.argmin(misfits))]
+
+
+def _half_turned(fit: Fit) -> list[Fit]:
+    """Return a fit turned half round about each axis of the object through its middle."""
+    turned = []
+    for axis in fit.shape.axes.T:
+        half = 2.0 * np.outer(axis, axis) - np.eye(3)
+        middle = fit.shape.middle
+        turned.append(
+            replace(
+                fit, rotation=fit.rotation @ half, up=half @ fit.up,
+                translation=fit.translation + fit.rotation @ (middle - half @ middle),
+            )  # fmt: skip
+        )
+    return turned
 
 
 def misfit(fit: Fit, points: Array, view: View) -> float:

@@ -19,6 +19,7 @@ from igrip.vision.registration.resting import Resting, resting_poses
 Array = NDArray[np.float64]
 
 SAMPLES = 400
+_ARRAYS = ("samples", "normals", "middle", "axes", "radius")
 _DERIVED_BY = ("shape.py", "field.py", "resting.py")
 
 
@@ -37,8 +38,10 @@ class Shape(NamedTuple):
         How it rests on a table.
     middle : (3,)
         Of its bounding sphere.
+    axes : (3, 3)
+        Of the object frame, as columns.
     radius : float
-        And that sphere's radius.
+        And the radius of the sphere.
     """
 
     name: str
@@ -47,6 +50,7 @@ class Shape(NamedTuple):
     normals: Array
     resting: Resting
     middle: Array
+    axes: Array
     radius: float
 
 
@@ -54,7 +58,7 @@ def shape_of(model: ObjectModel) -> Shape:
     """Derive the shape of a model, or read it from the cache."""
     here = Path(__file__).parent
     digest = hashlib.sha256(b"".join((here / name).read_bytes() for name in _DERIVED_BY))
-    for array in (model.vertices, model.faces, model.centre):
+    for array in (model.vertices, model.faces, model.centre, model.mesh_from_object):
         digest.update(np.ascontiguousarray(array).tobytes())
     path = cache_directory() / "shapes" / f"{digest.hexdigest()[:32]}.npz"
     shape = _read(path, model)
@@ -73,6 +77,7 @@ def _derive(model: ObjectModel) -> Shape:
         normals=normals,
         resting=resting_poses(model.vertices, model.centre),
         middle=model.sphere[:3].copy(),
+        axes=model.mesh_from_object[:3, :3].copy(),
         radius=float(model.sphere[3]),
     )
 
@@ -106,6 +111,7 @@ def _read(path: Path, model: ObjectModel) -> Shape | None:
                 stored["normals"],
                 Resting(stored["rotations"], stored["heights"], stored["probabilities"]),
                 stored["middle"],
+                stored["axes"],
                 float(stored["radius"]),
             )
     except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
@@ -113,7 +119,7 @@ def _read(path: Path, model: ObjectModel) -> Shape | None:
 
 
 def _write(path: Path, shape: Shape) -> None:
-    arrays = {name: getattr(shape, name) for name in ("samples", "normals", "middle", "radius")}
+    arrays = {name: getattr(shape, name) for name in _ARRAYS}
     arrays.update(shape.field._asdict())
     arrays.update(shape.resting._asdict())
     try:
