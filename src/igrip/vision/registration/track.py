@@ -6,7 +6,7 @@ time when it was last seen. Gone is what is seen through: farther things are mea
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -22,13 +22,16 @@ Array = NDArray[np.float64]
 State = Literal["seen", "hidden", "gone"]
 
 GATE = 0.03  # how far an object is looked for from one frame to the next [m]; 0.9 m/s at 30 Hz
-STEPS = 5
+STEPS = 8
+STILL = 0.004  # what would move less until now is looked for where it was alone [m]
+LOOK_AHEAD = 0.1  # for no longer than that does it go on as before [s]; guess
 MANY = 500  # points an object is fitted to
 IN_SIGHT = 0.25  # share of its side that must be seen for it to count as seen; guess
 AGREEING = 0.6  # agreement of what is seen with where it is, at least; guess
 COVERED = 0.2  # a share hidden beyond that at the start: it is not moved if it still fits; guess
 SEEN_THROUGH = 0.35  # share measured behind it, for it not to be there; guess
 LIFTED = 0.015  # so far from where it rested it rests no more [m]
+CLEARLY = 0.02  # of two fits the first is kept unless the agreement of the other is so much better
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +50,8 @@ class Track:
         ``seen``, ``hidden`` or ``gone``, in the newest frame.
     doubts : int
         Frames in a row in which it seemed gone.
+    velocity : (3,)
+        Of its middle, in the frame of the table [m/s].
     """
 
     fit: Fit
@@ -54,6 +59,7 @@ class Track:
     hidden: float
     state: State = "seen"
     doubts: int = 0
+    velocity: Array = field(default_factory=lambda: np.zeros(3))
 
 
 DOUBTS = 2  # frames in a row before it is given up: a depth picture may flicker
@@ -75,11 +81,18 @@ def follow(track: Track, view: View, t: float) -> Track:
     if _agrees(here) and here.hidden > track.hidden + COVERED:
         # a hand or an arm is in front: what of it is in sight has not moved
         return replace(track, fit=here, t=t, state="seen", doubts=0)
-    points, depths = nearby(track.fit, view)
-    if len(points) >= 20:
-        moved = refit(_resting_or_not(here), points, depths, view, GATE, STEPS)
-        if _agrees(moved):
-            return replace(track, fit=moved, t=t, state="seen", doubts=0)
+    best: Fit | None = None
+    for start in _starts(track, here, t):
+        points, depths = nearby(start, view)
+        if len(points) >= 20:
+            moved = refit(start, points, depths, view, GATE, STEPS)
+            better = best is None or moved.agreement > best.agreement + CLEARLY
+            if _agrees(moved) and better:
+                best = moved
+    if best is not None:
+        best = replace(best, up=track.fit.up)
+        velocity = _velocity(track, best, t)
+        return replace(track, fit=best, t=t, state="seen", doubts=0, velocity=velocity)
     if _agrees(here):
         return replace(track, fit=here, t=t, state="seen", doubts=0)
     evidence = here.evidence
@@ -87,6 +100,26 @@ def follow(track: Track, view: View, t: float) -> Track:
         doubts = track.doubts + 1
         return replace(track, state="gone" if doubts >= DOUBTS else "hidden", doubts=doubts)
     return replace(track, state="hidden", doubts=0)
+
+
+def _starts(track: Track, here: Fit, t: float) -> list[Fit]:
+    """Return where to look: where it was, resting and free, and where it would be by now."""
+    starts = [here] if _rests(here) else []
+    free = replace(here, up=NO_UP)
+    shift = track.velocity * min(max(t - track.t, 0.0), LOOK_AHEAD)
+    if np.linalg.norm(shift) > STILL:
+        starts.append(replace(free, translation=here.translation + shift))
+    starts.append(free)
+    return starts
+
+
+def _velocity(track: Track, fit: Fit, t: float) -> Array:
+    """Return the velocity of the middle after a new fit [m/s]."""
+    if not t > track.t:
+        return track.velocity
+    before = track.fit.rotation @ fit.shape.middle + track.fit.translation
+    now: Array = (fit.rotation @ fit.shape.middle + fit.translation - before) / (t - track.t)
+    return 0.3 * track.velocity + 0.7 * now
 
 
 def nearby(fit: Fit, view: View, many: int = MANY) -> tuple[Array, Array]:
@@ -115,10 +148,8 @@ def _agrees(fit: Fit) -> bool:
     return bool(evidence[MATCH] >= IN_SIGHT * max(open_, 0.5) and fit.agreement >= AGREEING)
 
 
-def _resting_or_not(fit: Fit) -> Fit:
-    """Return the fit without its wish to rest on the table, if it was lifted off it."""
+def _rests(fit: Fit) -> bool:
+    """Whether a fit is about where it would be if it rested on the table."""
     height = float((fit.rotation @ fit.shape.middle + fit.translation)[2])
     lean = float(fit.rotation[2] @ fit.up)
-    if fit.up.any() and (abs(height - fit.height) > LIFTED or lean < np.cos(np.radians(10.0))):
-        return replace(fit, up=NO_UP)
-    return fit
+    return abs(height - fit.height) < LIFTED and lean > np.cos(np.radians(10.0))
