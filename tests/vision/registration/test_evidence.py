@@ -6,8 +6,16 @@ import pytest
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.simulation.rendered import RenderConfig, strewn_scene
 from igrip.vision.registration.evidence import (
-    FIT, HIDDEN, MATCH, MISSING, OUTSIDE, THROUGH, judge, local_depth, smoothed,
-)  # fmt: skip
+    FIT,
+    HIDDEN,
+    MATCH,
+    MISSING,
+    OUTSIDE,
+    THROUGH,
+    judge,
+    local_depth,
+    smoothed,
+)
 from igrip.vision.registration.shape import shape_of
 
 

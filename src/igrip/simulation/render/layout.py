@@ -71,7 +71,7 @@ def strew(
                 covers = footprint(model, pose)
             spot = np.array([config.width, config.depth]) * (random.random(2) - 0.5) - middle[:2]
             covered = covers + spot
-            gaps = [tree.query(covered)[0].min() for tree in taken]
+            gaps = [float(np.min(tree.query(covered)[0])) for tree in taken]
             if all(gap >= config.apart + 0.004 for gap in gaps):  # footprints are 4 mm coarse
                 pose[:2, 3] = spot
                 placed.append(PlacedMesh(model, pose))
@@ -83,7 +83,7 @@ def strew(
 
 
 def footprint(model: ObjectModel, pose: Array) -> Array:
-    """Return what the mesh covers of the table, seen from above: points 4 mm apart, shape (n, 2)."""
+    """Return what a mesh covers of the table, from above: points 4 mm apart, shape (n, 2)."""
     triangles = model.vertices[model.faces]
     points = np.concatenate([model.vertices, triangles.mean(axis=1)])
     flat = (points @ pose[:3, :3].T + pose[:3, 3])[:, :2]

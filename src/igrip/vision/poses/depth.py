@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose
@@ -48,8 +48,8 @@ class DepthOptions(Settings):
     """
 
     models: tuple[str, ...] | None = None
-    instances: dict[str, int] = {}
-    colours: dict[str, str] = {}
+    instances: dict[str, int] = Field(default_factory=dict)
+    colours: dict[str, str] = Field(default_factory=dict)
     threshold: float = quantity(
         0.66, "1", "fits with a lesser score are no object", "docs/poses.md", ge=0, le=1
     )
@@ -181,9 +181,7 @@ class DepthPoses:
         """Look for what is not in sight, if it is time to."""
         seen = {id: track for id, track in camera.tracks.items() if track.state == "seen"}
         wanted = {id: shape for id, shape in self._shapes.items() if id not in seen}
-        due = camera.searched is None or not (
-            0.0 <= frame.t - camera.searched < self.options.every
-        )
+        due = camera.searched is None or not (0.0 <= frame.t - camera.searched < self.options.every)
         if not wanted or not due:
             return
         camera.searched = frame.t

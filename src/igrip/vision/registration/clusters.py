@@ -108,5 +108,5 @@ def _on_table(points: Array, table: Array) -> NDArray[np.bool_]:
         edges = ConvexHull(corners).equations  # outward unit normals, and offsets
     except QhullError:
         return np.zeros(len(points), dtype=np.bool_)
-    inside: NDArray[np.bool_] = (points @ edges[:, :2].T + edges[:, 2] <= BEYOND).all(axis=1)
-    return inside
+    inside = np.all(points @ edges[:, :2].T + edges[:, 2] <= BEYOND, axis=1)
+    return np.asarray(inside)

@@ -49,8 +49,8 @@ def palette_of(colours: NDArray[np.uint8]) -> Palette:
     smooth = counts.copy()
     for axis in range(2):
         smooth = 0.5 * smooth + 0.25 * (np.roll(smooth, 1, axis) + np.roll(smooth, -1, axis))
-    palette: Palette = smooth[1:-1, 1:-1]
-    return palette / max(palette.sum(), 1e-9)
+    palette: Palette = smooth[1:-1, 1:-1] / max(float(smooth[1:-1, 1:-1].sum()), 1e-9)
+    return palette
 
 
 def likeness(fit: Fit, view: View, colour: NDArray[np.uint8], palette: Palette) -> float:

@@ -124,6 +124,4 @@ def look_up_all(values, origin, cell, points, out):
     """Write the signed distances of points (n, 3) of the mesh's frame [m]."""
     gradient = np.empty(3)
     for n in range(points.shape[0]):
-        out[n] = look_up(
-            values, origin, cell, points[n, 0], points[n, 1], points[n, 2], gradient
-        )
+        out[n] = look_up(values, origin, cell, points[n, 0], points[n, 1], points[n, 2], gradient)

@@ -31,6 +31,10 @@ FEW, MANY = 120, 400  # points of a cluster used to choose among starts, and to 
 TOO_HIGH, TOO_LOW = 0.03, 0.06  # the top of a cluster over and under that of the shape [m]; guess
 BEST = 3  # starts that are fitted to the end
 NO_UP = np.zeros(3)
+ENOUGH = 0.35  # with a lesser share in sight the score falls; guess
+HOLD = 0.03  # resting has the weight of so large a share of the points: meshes err, too; guess
+ALIKE = 30.0  # points whose errors are one error, as stereo's are alike over a few pixels; guess
+FLOOR = 0.002  # what meshes and calibration are wrong by [m]; guess
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +76,6 @@ class Fit:
         return float(self.evidence[HIDDEN] + self.evidence[OUTSIDE])
 
     @property
-    def through(self) -> float:
-        """Of what was measured where it should be, or behind it, the share that was behind."""
-        return float(self.evidence[THROUGH] / max(self.evidence[MATCH] + self.evidence[THROUGH], 1e-9))
-
-    @property
     def agreement(self) -> float:
         """How well what should be seen was seen, 0 to 1; what is hidden does not count."""
         seen = self.evidence[MATCH] + self.evidence[THROUGH] + 0.5 * self.evidence[MISSING]
@@ -86,9 +85,6 @@ class Fit:
     def score(self) -> float:
         """How well mesh and measurement explain one another, 0 to 1."""
         return self.agreement * self.cover * min(1.0, self.visible / ENOUGH)
-
-
-ENOUGH = 0.35  # with a lesser share in sight the score falls; guess
 
 
 def fit_cluster(
@@ -117,13 +113,12 @@ def fit_cluster(
     )  # fmt: skip
     fits = []
     for way, turn in np.ndindex(shape_of_starts):
-        up = rotations[way, 2]
-        fits.append(
-            Fit(
-                shape, found_rotations[way, turn], translations[way, turn], evidence[way, turn],
-                float(cover[way, turn]), up, float(heights[way] + up @ shape.middle),
-            )  # fmt: skip
-        )
+        at, up = (way, turn), rotations[way, 2]
+        fit = Fit(
+            shape, found_rotations[at], translations[at], evidence[at], float(cover[at]), up,
+            float(heights[way] + up @ shape.middle),
+        )  # fmt: skip
+        fits.append(fit)
     fits.sort(key=lambda fit: -fit.score)
     many = _some(len(cluster.points), MANY, random)
     best = [
@@ -170,13 +165,12 @@ def _half_turned(fit: Fit) -> list[Fit]:
     turned = []
     for axis in fit.shape.axes.T:
         half = 2.0 * np.outer(axis, axis) - np.eye(3)
-        middle = fit.shape.middle
-        turned.append(
-            replace(
-                fit, rotation=fit.rotation @ half, up=half @ fit.up,
-                translation=fit.translation + fit.rotation @ (middle - half @ middle),
-            )  # fmt: skip
-        )
+        shift = fit.rotation @ (fit.shape.middle - half @ fit.shape.middle)
+        way = replace(
+            fit, rotation=fit.rotation @ half, translation=fit.translation + shift,
+            up=half @ fit.up,
+        )  # fmt: skip
+        turned.append(way)
     return turned
 
 
@@ -207,11 +201,6 @@ def judged(fit: Fit, view: View) -> Fit:
     return Fit(
         shape, fit.rotation, fit.translation, evidence, fit.cover, fit.up, fit.height, fit.std
     )
-
-
-HOLD = 0.03  # resting weighs as much as so large a share of the points: meshes and tables err; guess
-ALIKE = 30.0  # points whose errors are one error, as stereo's are alike over a few pixels; guess
-FLOOR = 0.002  # what meshes and calibration are wrong by [m]; guess
 
 
 def _std(information: Array, rms: float, weight: float, radius: float) -> float:

@@ -89,6 +89,8 @@ def follow(track: Track, view: View, t: float) -> Track:
             better = best is None or moved.agreement > best.agreement + CLEARLY
             if _agrees(moved) and better:
                 best = moved
+        if best is not None and best.agreement > track.fit.agreement - CLEARLY:
+            break  # as good as before: no need to look further
     if best is not None:
         best = replace(best, up=track.fit.up)
         velocity = _velocity(track, best, t)

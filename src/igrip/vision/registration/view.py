@@ -68,8 +68,8 @@ def points_of(
 ) -> tuple[Array, NDArray[np.int64]]:
     """Return the measured points (n, 3) in the camera's frame [m], and their pixels (n, 2).
 
-    Only every ``stride``-th pixel, and only depths within ``reach`` [m]; each depth is averaged over
-    the pixels about it.
+    Only every ``stride``-th pixel, and only depths within ``reach`` [m]; each is averaged over the
+    pixels about it.
     """
     some = np.empty(tuple(-(-n // stride) for n in depth.shape))
     smoothed(depth, stride, *reach, some)
@@ -78,9 +78,7 @@ def points_of(
     return intrinsics.points(pixels.astype(np.float64), some[v, u]), pixels
 
 
-def hand_mask(
-    depth: NDArray[np.float32], hands: Sequence[Array], fx: float
-) -> NDArray[np.uint8]:
+def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> NDArray[np.uint8]:
     """Return 1 where a hand may be, shape (h, w): round its landmarks and the bones between them.
 
     How wide that is in the picture hangs on how far the hand is: the median of the depths at its
