@@ -38,6 +38,8 @@ KERNEL_SOURCES = (
     "vision/registration/field.py",
     "vision/registration/align.py",
     "vision/registration/evidence.py",
+    "vision/registration/near.py",
+    "vision/registration/starts.py",
     "cues/distance.py",
     "cues/distance_derivative.py",
     "cues/impacts.py",

@@ -6,6 +6,7 @@ import colorsys
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,11 @@ class RenderedScene:
 
         What is seen: the number of the object in their order, -1 table, -2 floor, -3 nothing.
         """
+        depth, labels = self._drawn
+        return depth.copy(), labels.copy()
+
+    @cached_property
+    def _drawn(self) -> tuple[Array, NDArray[np.int32]]:
         shape = (self.intrinsics.height, self.intrinsics.width)
         depth, labels = np.full(shape, np.inf), np.full(shape, NOTHING, dtype=np.int32)
         self._draw_plane(depth, labels, -self.config.table_height, FLOOR_LABEL)

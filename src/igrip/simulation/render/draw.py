@@ -39,10 +39,12 @@ def draw_mesh(
         return
     left, right, top, bottom = 0, width, 0, height
     if nearest > 0.05:  # closer by, the sphere may fill the picture
-        left = max(left, int(np.floor(fx * min((x - radius) / nearest, (x - radius) / z) + cx)))
-        right = min(right, int(np.ceil(fx * max((x + radius) / nearest, (x + radius) / z) + cx)) + 1)
-        top = max(top, int(np.floor(fy * min((y - radius) / nearest, (y - radius) / z) + cy)))
-        bottom = min(bottom, int(np.ceil(fy * max((y + radius) / nearest, (y + radius) / z) + cy)) + 1)
+        least, most = x - radius, x + radius
+        left = max(left, int(np.floor(fx * min(least / nearest, least / z) + cx)))
+        right = min(right, int(np.ceil(fx * max(most / nearest, most / z) + cx)) + 1)
+        least, most = y - radius, y + radius
+        top = max(top, int(np.floor(fy * min(least / nearest, least / z) + cy)))
+        bottom = min(bottom, int(np.ceil(fy * max(most / nearest, most / z) + cy)) + 1)
     stack = np.empty(STACK, dtype=np.int32)
     counters = np.zeros(1, dtype=np.int64)
     px, py, pz = mesh_from_camera[0, 3], mesh_from_camera[1, 3], mesh_from_camera[2, 3]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from igrip.settings import Settings, quantity
 from igrip.vision.registration.resting import resting_poses
 
 Array = NDArray[np.float64]
-TRIES = 2000
+TRIES, SAME_TURN = 600, 20
 
 
 class LayoutConfig(Settings):
@@ -62,18 +62,20 @@ def strew(
         if lies:
             chances = ways.probabilities[1:] / ways.probabilities[1:].sum()
             way = 1 + int(random.choice(len(chances), p=chances))
-        for _ in range(TRIES):
-            pose = np.eye(4)
-            pose[:3, :3] = _about_z(random.uniform(-np.pi, np.pi)) @ ways.rotations[way]
-            pose[2, 3] = ways.heights[way]
-            middle = pose[:3, :3] @ model.sphere[:3]
-            spot = np.array([config.width, config.depth]) * (random.random(2) - 0.5)
-            pose[:2, 3] = spot - middle[:2]
-            print_ = footprint(model, pose)
-            gaps = [tree.query(print_)[0].min() for tree in taken]
-            if all(gap >= config.apart + 0.002 for gap in gaps):  # footprints are 4 mm coarse
+        for turn in range(TRIES):
+            if turn % SAME_TURN == 0:  # what it covers moves along with it: computed once a turn
+                pose = np.eye(4)
+                pose[:3, :3] = _about_z(random.uniform(-np.pi, np.pi)) @ ways.rotations[way]
+                pose[2, 3] = ways.heights[way]
+                middle = pose[:3, :3] @ model.sphere[:3]
+                covers = footprint(model, pose)
+            spot = np.array([config.width, config.depth]) * (random.random(2) - 0.5) - middle[:2]
+            covered = covers + spot
+            gaps = [float(np.min(tree.query(covered)[0])) for tree in taken]
+            if all(gap >= config.apart + 0.004 for gap in gaps):  # footprints are 4 mm coarse
+                pose[:2, 3] = spot
                 placed.append(PlacedMesh(model, pose))
-                taken.append(cKDTree(print_))
+                taken.append(cKDTree(covered))
                 break
         else:
             raise ValueError(f"{model.name}: no room left on the table")
@@ -81,7 +83,7 @@ def strew(
 
 
 def footprint(model: ObjectModel, pose: Array) -> Array:
-    """Return what the mesh covers of the table, seen from above: points 4 mm apart, shape (n, 2)."""
+    """Return what a mesh covers of the table, from above: points 4 mm apart, shape (n, 2)."""
     triangles = model.vertices[model.faces]
     points = np.concatenate([model.vertices, triangles.mean(axis=1)])
     flat = (points @ pose[:3, :3].T + pose[:3, 3])[:, :2]
@@ -109,11 +111,6 @@ def look_at(eye: Array, target: Array) -> Array:
     pose[:3, :3] = np.stack([right, np.cross(ahead, right), ahead], axis=1)
     pose[:3, 3] = eye
     return pose
-
-
-def places(objects: Mapping[str, PlacedMesh]) -> dict[str, Array]:
-    """Return the world-from-mesh pose of each object by id."""
-    return {id: placed.pose for id, placed in objects.items()}
 
 
 def _about_z(angle: float) -> Array:

@@ -103,5 +103,5 @@ def _smooth(random: np.random.Generator, shape: tuple[int, ...], size: float) ->
     noise: Array = random.standard_normal(shape)
     if size <= 0.0:
         return noise
-    noise = gaussian_filter(noise, size, mode="wrap")
+    noise = np.asarray(gaussian_filter(noise, size, mode="wrap"))
     return noise * (2.0 * np.sqrt(np.pi) * size)  # of white noise a filter leaves 1/(2 sqrt(pi) s)

@@ -58,7 +58,7 @@ def resting_poses(vertices: Array, centre: Array, least: float = 0.02, most: int
     corners = np.asarray(hull.vertices) - centre
     down = _directions(DIRECTIONS)
     height = (down @ corners.T).max(axis=1)
-    _, near = cKDTree(down).query(down, k=NEIGHBOURS)
+    near = np.asarray(cKDTree(down).query(down, k=NEIGHBOURS)[1])
     lowest = near[np.arange(len(down)), np.argmin(height[near], axis=1)]
     while True:  # follow the descent to its end
         further = lowest[lowest]
@@ -80,9 +80,12 @@ def resting_poses(vertices: Array, centre: Array, least: float = 0.02, most: int
             found.append((faces[0] if len(faces) else direction, probability))
     found.sort(key=lambda way: -way[1])
     # people stand things up, however seldom they would fall so
-    upright = [way for way in found if way[0][2] < -np.cos(SNAP)][:1]
-    likely = [way for way in found if way[1] >= least and not any(way is other for other in upright)]
-    kept = (upright + likely)[:most] or found[:1]
+    found.sort(key=lambda way: way[0][2] >= -np.cos(SNAP))  # stable
+    stands = found[0][0][2] < -np.cos(SNAP)
+    kept = found[:1] + [way for way in found[1:] if way[1] >= least]
+    if not stands and len(kept) > 1 and kept[0][1] < least:
+        kept = kept[1:]
+    kept = kept[:most]
     rotations = np.array([_turn_down(direction) for direction, _ in kept])
     heights = np.array([-(vertices @ R[2]).min() for R in rotations])
     return Resting(rotations, heights, np.array([way[1] for way in kept]))
