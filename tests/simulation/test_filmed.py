@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from igrip.simulation.filmed import MIDDLE, film_reach
-from igrip.simulation.rendered import Overlay
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -28,33 +27,29 @@ def test_the_objects_stand_where_the_protocol_put_them(ycb, seed):
     assert film.task.target in film.scene.objects
 
 
-def test_the_hand_is_asked_for_at_the_true_palm_and_put_into_depth(ycb):
+def test_the_hand_is_asked_for_at_the_true_palm(ycb):
     film = film_reach(ycb, 3)
     asked = []
 
-    def draw(side, palm, intrinsics, t):
-        asked.append((side, palm, t))
-        x, y = np.round(intrinsics.pixels(palm[None])[0]).astype(int)
-        square = np.ones((21, 21), bool)
-        colour = np.full((21, 21, 3), 200, np.uint8)
-        return Overlay(colour, square, np.full((21, 21), palm[2]), x - 10, y - 10)
+    def put(frame, side, palm):
+        asked.append((side, palm))
+        return frame
 
-    frames = list(itertools.islice(film.frames(draw, begin=7.0), 0, 60, 20))
+    frames = list(itertools.islice(film.frames(put, begin=7.0), 0, 60, 20))
     world = film.scene.world_from_camera
-    for frame, (side, palm, t) in zip(frames, asked[::20], strict=True):
-        assert frame.t == pytest.approx(7.0 + t)
+    for frame, (side, palm) in zip(frames, asked[::20], strict=True):
         assert side == film.task.hand
-        k = int(round(t * 30))
+        k = round((frame.t - 7.0) * 30)
         there = world[:3, :3] @ palm + world[:3, 3] + MIDDLE
         assert there == pytest.approx(film.done.palms[side][k], abs=1e-9)
-        x, y = np.round(frame.intrinsics.pixels(palm[None])[0]).astype(int)
-        seen = frame.depth[y - 5 : y + 6, x - 5 : x + 6]
-        assert np.median(seen[seen > 0]) == pytest.approx(palm[2], abs=0.03)
+        x, y = frame.intrinsics.pixels(palm[None])[0]
+        assert 0 <= x < 640
+        assert 0 <= y < 400
 
 
 def test_a_seed_is_a_film(ycb):
-    a, b = (next(film_reach(ycb, 5).frames(lambda *_: None)) for _ in range(2))
+    a, b = (next(film_reach(ycb, 5).frames(lambda frame, side, palm: frame)) for _ in range(2))
     assert (a.colour == b.colour).all()
     assert (a.depth == b.depth).all()
-    other = next(film_reach(ycb, 6).frames(lambda *_: None))
+    other = next(film_reach(ycb, 6).frames(lambda frame, side, palm: frame))
     assert (a.colour != other.colour).any()

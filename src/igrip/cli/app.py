@@ -14,6 +14,7 @@ from igrip.cli import (
     evaluate,
     grips,
     importing,
+    live,
     record,
     replay,
     schema,
@@ -55,6 +56,7 @@ app.command("evaluate")(evaluate.evaluate)
 app.command("simulate")(simulate.simulate)
 app.command("stream")(stream.stream)
 app.command("view")(view.view)
+app.command("live")(live.live)
 app.command("record")(record.record)
 app.command("calibrate")(calibrate.calibrate)
 app.command("import")(importing.import_tables)

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from rich.live import Live
 
-from igrip.cameras.base import open_camera
+from igrip.cameras.base import open_camera, split_names
 from igrip.cli.console import errors, output, print_json
 from igrip.cli.stream import Out, warm_up
 from igrip.commitment import EVERY, CommitmentConfig
@@ -37,10 +37,10 @@ NOTHING = "none"
 
 def live(
     camera: Annotated[
-        list[str] | None,
-        typer.Option(help="oak, realsense, webcam:0, replay:FILE.mcap, rendered; repeatable for "
-                     "several at once."),
-    ] = None,
+        str,
+        typer.Option(help="oak, realsense, webcam:0, replay:FILE.mcap, rendered; several joined by "
+                     "+, as in oak:ID1+oak:ID2."),
+    ] = "oak",
     hands: Annotated[str, typer.Option(help="Hand finder; none: no hands.")] = "mediapipe",
     objects: Annotated[
         str, typer.Option(help="Pose finder: depth, tags, cosypose; none: no objects.")
@@ -108,14 +108,15 @@ def live(
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
             known = load_objects(*(catalog or ["ycb"]))
-            options = dict(text.partition("=")[::2] for text in option or [])
+            options: dict[str, Any] = dict(text.partition("=")[::2] for text in option or [])
             options["models"] = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
             for name in options["models"]:
                 known[name]
             warm_up(config, known)
-            new_hands = None if hands == NOTHING else hand_eye(hands, most_hands, apart)
+            count = len(split_names(camera))
+            new_hands = None if hands == NOTHING else hand_eye(hands, most_hands, apart, count)
             new_objects = None if objects == NOTHING else object_eye(objects, known, options)
-            source = open_camera(camera or ["oak"], calibration)
+            source = open_camera(camera, calibration)
         chain = stack.enter_context(Chain(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
         loop = Loop(Estimator(known, config), chain.begin, recorder)

@@ -14,7 +14,7 @@ from igrip.simulation.cohort import SIDES, Performance, Task, models_by_id, obje
 from igrip.simulation.movement import draw_habits
 from igrip.simulation.parameters import Cohort, cohort
 from igrip.simulation.render.layout import PlacedMesh, look_at
-from igrip.simulation.rendered import OAK, Overlay, RenderedScene
+from igrip.simulation.rendered import OAK, RenderedScene
 
 Array = NDArray[np.float64]
 MIDDLE = np.array([0.0, 0.30, 0.0])  # of the protocol's table; the rendered world begins there [m]
@@ -22,9 +22,9 @@ LOOKS_AT = np.array([0.0, -0.02, 0.06])  # guess [m]
 CAMERA = np.array([0.0, 0.60, 0.62])  # across the table from the person, guess [m]
 SPREAD = np.array([0.20, 0.05, 0.05])  # of that place between trials, guess [m]
 
-DrawHand = Callable[[str, Array, Intrinsics, float], Overlay | None]
-"""From the side, the palm in the camera's frame (3,) [m], the intrinsics and the time [s] to what
-is seen of the hand; None: out of the picture."""
+PutHand = Callable[[RgbdFrame, str, Array], RgbdFrame]
+"""From a frame without a hand, the side, and the palm in the camera's frame (3,) [m], to the frame
+with it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +48,13 @@ class FilmedReach:
     scene: RenderedScene
     seed: int
 
-    def frames(self, draw_hand: DrawHand, begin: float = 0.0) -> Iterator[RgbdFrame]:
+    def frames(self, put_hand: PutHand, begin: float = 0.0) -> Iterator[RgbdFrame]:
         """Render the trial.
 
         Parameters
         ----------
-        draw_hand : function
-            See :data:`DrawHand`; called for the hand that reaches.
+        put_hand : function
+            See :data:`PutHand`; called for the hand that reaches.
         begin : float
             Time of the first frame [s].
 
@@ -64,12 +64,15 @@ class FilmedReach:
             At the times of the performance.
         """
         random = np.random.default_rng(self.seed)
+        for t, palm in zip(self.done.times.tolist(), self.palms(), strict=True):
+            yield put_hand(self.scene.frame(begin + t, random), self.task.hand, palm)
+
+    def palms(self) -> Array:
+        """Return where the palm of the hand that reaches is, camera frame, shape (n, 3) [m]."""
         camera_from_world = np.linalg.inv(self.scene.world_from_camera)
-        side = self.task.hand
-        for t, palm in zip(self.done.times.tolist(), self.done.palms[side], strict=True):
-            at = camera_from_world[:3, :3] @ (palm - MIDDLE) + camera_from_world[:3, 3]
-            hand = draw_hand(side, at, self.scene.intrinsics, t)
-            yield self.scene.frame(begin + t, random, [] if hand is None else [hand])
+        world = self.done.palms[self.task.hand] - MIDDLE
+        there: Array = world @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]
+        return there
 
 
 def film_reach(

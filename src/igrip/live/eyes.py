@@ -1,0 +1,133 @@
+"""What looks at frames: finders of hands and of objects, made for each camera."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from igrip.live.chain import FindHands, FindObjects
+from igrip.live.merge import HandsFound, ObjectsFound
+from igrip.objects.catalog import Catalog
+from igrip.rgbd import RgbdFrame
+from igrip.vision.hands.base import HANDS, HandFinder
+from igrip.vision.identity import HandIdentities, IdentityConfig, Sighting
+from igrip.vision.palms import measure_palm
+from igrip.vision.poses.base import POSES
+
+
+class Names:
+    """Ids of hands, shared by the cameras that look at the same people; safe between threads.
+
+    Parameters
+    ----------
+    config : IdentityConfig
+        How many hands there are, and how they move.
+    shared : bool
+        Whether several cameras look at the same hands: that one of them misses a hand says little.
+    """
+
+    def __init__(self, config: IdentityConfig, shared: bool) -> None:
+        self._identities = HandIdentities(config)
+        self._shared = shared
+        self._lock = threading.Lock()
+        self._t = 0.0
+
+    def take(self, t: float, seen: list[Sighting]) -> Mapping[str, int | None]:
+        """Return which sighting each hand is; see :class:`igrip.vision.identity.HandIdentities`."""
+        with self._lock:
+            self._t = max(self._t, t)  # cameras overtake each other by some milliseconds
+            found = self._identities.update(self._t, seen)
+        return {id: k for id, k in found.items() if k is not None or not self._shared}
+
+
+class HandEye:
+    """Finds hands, measures their palms, and keeps them apart.
+
+    Parameters
+    ----------
+    finder : HandFinder
+        New, for one camera.
+    names : Names
+        Of the hands.
+    apart : bool
+        Whether ids are told with the camera's name, as ``CAMERA/right``.
+    """
+
+    def __init__(self, finder: HandFinder, names: Names, apart: bool = False) -> None:
+        self._finder, self._names, self._apart = finder, names, apart
+
+    def __call__(self, frame: RgbdFrame) -> HandsFound:
+        """Return the hands of a frame; those without depth on them are seen, but not measured."""
+        seen = self._finder.find(frame)
+        measured = [(hand, palm) for hand in seen if (palm := measure_palm(hand, frame))]
+        sightings = [
+            Sighting(np.array(palm.position), hand.label, hand.score) for hand, palm in measured
+        ]
+        hands, landmarks = {}, {}
+        for id, k in self._names.take(frame.t, sightings).items():
+            name = f"{frame.camera}/{id}" if self._apart else id
+            hands[name] = None if k is None else measured[k][1]
+            if k is not None:
+                landmarks[name] = measured[k][0].landmarks
+        return HandsFound(frame, hands, landmarks)
+
+
+def hand_eye(
+    name: str, most: int, apart: bool = False, cameras: int = 1
+) -> Callable[[], FindHands]:
+    """Return what makes a :class:`HandEye` for each camera.
+
+    Parameters
+    ----------
+    name : str
+        Of a hand finder.
+    most : int
+        Hands that are followed.
+    apart : bool
+        Whether each camera names its own hands; else they are fused: one id, wherever it is seen.
+    cameras : int
+        How many there are.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such finder.
+    """
+    new = HANDS.get(name)
+    config = IdentityConfig(hands=most)
+    fused = Names(config, cameras > 1)
+
+    def make() -> FindHands:
+        return HandEye(new(), Names(config, False) if apart else fused, apart)
+
+    return make
+
+
+def object_eye(
+    name: str, catalog: Catalog, options: Mapping[str, Any]
+) -> Callable[[], FindObjects]:
+    """Return what makes a function that finds objects for each camera.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such finder.
+    IgripError
+        If its options are wrong.
+    """
+    new = POSES.get(name)
+    first = [new(catalog, options)]  # what is wrong with its options is told now
+
+    def make() -> FindObjects:
+        finder = first.pop() if first else new(catalog, options)
+
+        def look(frame: RgbdFrame, hands: HandsFound | None) -> ObjectsFound:
+            covers = list(hands.landmarks.values()) if hands is not None else []
+            return ObjectsFound(frame, finder.find(frame, covers))
+
+        return look
+
+    return make
