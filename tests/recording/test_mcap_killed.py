@@ -47,7 +47,7 @@ def test_kill(tmp_path, seed):
 
 
 FULL = """
-import resource, signal, sys
+import resource, signal, sys, time
 sys.path.insert(0, sys.argv[2])
 from igrip.errors import RecordingError
 from igrip.recording.mcap import McapWriter
@@ -58,6 +58,7 @@ try:
     with McapWriter(sys.argv[1]) as writer:
         for k in range(10_000):
             writer.write_frame(frame(k))
+            time.sleep(0.01)  # several chunks are flushed before the limit
 except RecordingError as error:
     print(error)
 """
