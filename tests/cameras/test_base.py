@@ -29,8 +29,8 @@ def test_several_names(name, parts):
 
 def test_options():
     defaults = {"size": (1, 2), "fps": 30.0, "loop": False, "file": ""}
-    assert read_options("a?size=640x400&fps=15&loop=1&file=b%20c", defaults) == (
-        "a", {"size": (640, 400), "fps": 15.0, "loop": True, "file": "b c"},
+    assert read_options("a?size=640x400&fps=15&loop=1&file=b%20c+d=e", defaults) == (
+        "a", {"size": (640, 400), "fps": 15.0, "loop": True, "file": "b c+d=e"},
     )  # fmt: skip
     assert read_options("", defaults) == ("", defaults)
     for wrong in (

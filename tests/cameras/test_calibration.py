@@ -30,14 +30,15 @@ def away(found, true):
     return np.linalg.norm(found[:3, 3] - true[:3, 3]), angle
 
 
-def frames(views=6, **more):
+def frames(views=6, names=("left",), **more):
     for k in range(views):
-        for n, (name, pose) in enumerate(PLACES.items()):
+        for n, name in enumerate(names):
+            pose = PLACES[name]
             yield see(BOARD, pose, k / 30, name, seed=10 * k + n, **more)
 
 
 def test_two_cameras():
-    views = collect(frames(depth=True), BOARD, cameras=2)
+    views = collect(frames(4, PLACES, depth=True), BOARD, cameras=2)
     assert set(views) == set(PLACES)
     for name, seen in views.items():
         placed = place_camera(name, seen, BOARD)
@@ -47,7 +48,7 @@ def test_two_cameras():
         assert placed.error < 0.2
         assert metres < 6 * placed.std + 0.0003
         assert placed.tags == 15
-        assert placed.views == 6
+        assert placed.views == 4
         assert placed.depth_ratio == pytest.approx(1.0, abs=0.003)
 
 
@@ -74,7 +75,7 @@ def test_the_board_may_be_partly_hidden():
 
 
 def test_outliers_in_some_pictures_do_not_matter():
-    views = collect(frames(7), BOARD)["left"]
+    views = collect(frames(5), BOARD)["left"]
     for corners in views.corners[:2]:
         for four in corners.values():
             four += 40.0
@@ -120,13 +121,13 @@ def test_a_board_printed_too_small_shows_in_the_depth():
 
 
 def test_seconds_are_those_of_the_frames():
-    pictures = list(frames(2))
+    pictures = list(frames(2, PLACES))
     seen = collect(iter(pictures), BOARD, seconds=0.0)
     assert [len(v.corners) for v in seen.values()] == [1]
 
 
 def test_a_file_comes_back(tmp_path):
-    views = collect(frames(2), BOARD)
+    views = collect(frames(1, PLACES), BOARD, cameras=2)
     placements = {name: place_camera(name, seen, BOARD) for name, seen in views.items()}
     write_calibration(tmp_path / "c.json", placements, BOARD)
     places = read_places(tmp_path / "c.json")

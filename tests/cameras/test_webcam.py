@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from igrip.cameras.base import CameraError, open_camera
-from igrip.cameras.webcam import Lens
+from igrip.cameras.lens import Lens
 
 
 class Capture:

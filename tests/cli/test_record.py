@@ -104,6 +104,19 @@ def test_a_camera_that_fails_leaves_a_readable_file(tmp_path):
     assert reader.cut is None
 
 
+def test_a_lens_is_found_and_used(tmp_path, monkeypatch, capsys):
+    rng = np.random.default_rng(1)
+    given, lens = tmp_path / "board.mcap", tmp_path / "lens.json"
+    with McapWriter(given) as writer:
+        for k in range(9):
+            pose = looking_at(np.array([*rng.uniform(-0.3, 0.3, 2), rng.uniform(0.3, 0.45)]))
+            writer.write_frame(see(Board(), pose, 1 + k / 30, seed=k))
+    camera = f"replay:{given}?speed=0"
+    said = run(monkeypatch, capsys, 0, "calibrate", "--camera", camera, "--lens", lens).out
+    assert "of 1280 × 720; " in said
+    assert json.loads(lens.read_text())["fx"] == pytest.approx(900.0, rel=0.01)
+
+
 def test_a_full_disk(tmp_path, recording, monkeypatch, capsys):
     """As if it were full at the third frame: what is there is said, and why it ended."""
     write = McapWriter.write_frame

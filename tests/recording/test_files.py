@@ -2,12 +2,13 @@
 
 import errno
 import json
+import sys
 
 import pytest
 
 import igrip
 from igrip import Intention, Observation
-from igrip.errors import RecordingError
+from igrip.errors import MissingExtraError, RecordingError
 from igrip.evaluation.replay import run_trial
 from igrip.recording.dataset import Dataset
 from igrip.recording.files import open_recording, open_writer
@@ -66,6 +67,15 @@ def test_a_dataset_of_mcap_is_the_dataset_of_jsonl(small_dataset):
     assert [told for _, told in after] == [told for _, told in before]
     assert repr(after) == repr(before)
     assert before[0][0].problem is None
+
+
+@pytest.mark.parametrize("make", [McapReader, McapWriter])
+def test_a_missing_package(tmp_path, monkeypatch, make):
+    monkeypatch.setitem(sys.modules, "mcap.records", None)
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'igrip\[mcap\]'"):
+        make(tmp_path / "a.mcap")
+    assert not (tmp_path / "a.mcap").exists()
 
 
 def test_lines_on_a_full_disk(tmp_path):

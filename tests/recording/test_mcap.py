@@ -4,6 +4,7 @@ import errno
 import json
 import struct
 import threading
+import time
 
 import cv2
 import numpy as np
@@ -271,9 +272,44 @@ def test_close_tells_a_failure_nobody_was_told(tmp_path):
 
 def test_writing_to_a_closed_file(tmp_path):
     writer = McapWriter(tmp_path / "x.mcap")
+    writer.write(Observation(t=1.0))
+    writer.close()
     writer.close()
     with pytest.raises(RecordingError, match="is closed"):
-        writer.write(Observation(t=1.0))
+        writer.write(Observation(t=2.0))
+    assert list(McapReader(tmp_path / "x.mcap")) == [Observation(t=1.0)]
+
+
+def test_an_idle_file_is_flushed_too(tmp_path):
+    writer = McapWriter(tmp_path / "x.mcap")
+    writer.write(Observation(t=1.0))
+    for _ in range(200):  # by the thread, some time after the last message
+        time.sleep(0.02)
+        if list(McapReader(tmp_path / "x.mcap")):
+            break
+    assert list(McapReader(tmp_path / "x.mcap")) == [Observation(t=1.0)]
+    writer.close()
+
+
+def test_ctrl_c_in_the_middle_of_a_record(tmp_path, monkeypatch):
+    path = tmp_path / "x.mcap"
+
+    def interrupted(data):
+        writer._sink._file.write(data[: len(data) // 2])
+        raise KeyboardInterrupt
+
+    writer = McapWriter(path)
+    writer._flushed = -1.0
+    writer.write(Observation(t=1.0))
+    monkeypatch.setattr(writer._sink, "write", interrupted)
+    writer._flushed = -1.0
+    with pytest.raises(KeyboardInterrupt):
+        writer.write(Observation(t=2.0))
+    with pytest.raises(RecordingError, match="interrupted"):
+        writer.close()
+    reader = McapReader(path)
+    assert list(reader) == [Observation(t=1.0)]
+    assert reader.cut is not None
 
 
 def test_several_threads(tmp_path):

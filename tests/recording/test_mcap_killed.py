@@ -47,17 +47,18 @@ def test_kill(tmp_path, seed):
 
 
 FULL = """
-import resource, signal, sys
+import resource, signal, sys, time
 sys.path.insert(0, sys.argv[2])
 from igrip.errors import RecordingError
 from igrip.recording.mcap import McapWriter
 from rgbd_frames import frame
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (1_500_000, 1_500_000))
+resource.setrlimit(resource.RLIMIT_FSIZE, (900_000, 900_000))
 try:
     with McapWriter(sys.argv[1]) as writer:
         for k in range(10_000):
             writer.write_frame(frame(k))
+            time.sleep(0.01)  # several chunks are flushed before the limit
 except RecordingError as error:
     print(error)
 """
@@ -71,5 +72,5 @@ def test_a_file_that_may_not_grow(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.stdout == f"{path}: File too large; what was recorded before can be read\n"
     reader = McapReader(path)
-    assert len(list(reader.frames())) > 50
+    assert len(list(reader.frames())) > 20
     assert reader.cut is not None

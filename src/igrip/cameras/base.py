@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
-from urllib.parse import parse_qsl
+from urllib.parse import unquote
 
 from igrip.errors import IgripError
 from igrip.registry import Registry
@@ -67,8 +67,8 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
     opened: list[Camera] = []
     try:
         for one in split_names(name):
-            scheme, rest = re.fullmatch(r"(\w*):?(.*)", one, re.DOTALL).groups()  # type: ignore[union-attr]
-            opened.append(CAMERAS.get(scheme)(rest))
+            scheme = re.split("[:?]", one, maxsplit=1)[0]
+            opened.append(CAMERAS.get(scheme)(one[len(scheme) :].removeprefix(":")))
     except BaseException:
         for camera in opened:
             camera.close()
@@ -108,11 +108,12 @@ def read_options(rest: str, defaults: Mapping[str, Any]) -> tuple[str, dict[str,
     """
     place, _, text = rest.partition("?")
     options = dict(defaults)
-    for key, value in parse_qsl(text, keep_blank_values=True):
+    for part in text.split("&") if text else ():
+        key, _, value = part.partition("=")
         if key not in defaults:
             raise CameraError(f"no option is named {key!r}; there are: {', '.join(defaults)}")
         try:
-            options[key] = _read(value, defaults[key])
+            options[key] = _read(unquote(value), defaults[key])
         except ValueError:
             raise CameraError(f"{key}: {value!r} is not of the form {defaults[key]!r}") from None
     return place, options

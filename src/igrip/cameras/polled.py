@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from abc import ABC, abstractmethod
@@ -9,6 +10,8 @@ from collections.abc import Iterator
 
 from igrip.cameras.base import CameraError
 from igrip.rgbd import RgbdFrame
+
+log = logging.getLogger(__name__)
 
 WAIT = 0.2  # s; a device is never waited for longer at a time, so that close() is soon done
 PATIENCE = 4.0  # s without a frame, after which a device is taken to be gone; guess
@@ -75,4 +78,7 @@ class PolledCamera(ABC):
         with self._device:
             if not self._released:
                 self._released = True
-                self._release()
+                try:
+                    self._release()
+                except Exception as error:  # it may be gone already, which is what is wanted
+                    log.warning(f"{self.name}: {error}")

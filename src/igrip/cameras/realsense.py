@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.cameras.base import CAMERAS, CameraError, read_options
+from igrip.cameras.lens import load_cv2
 from igrip.cameras.polled import WAIT, PolledCamera
-from igrip.cameras.webcam import load_cv2
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 DEFAULTS: dict[str, Any] = {"size": (1280, 720), "depth": (848, 480), "fps": 30.0}

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from igrip.cameras.base import CAMERAS, CameraError, read_options
-from igrip.cameras.webcam import Lens, load_cv2
+from igrip.cameras.lens import Lens, load_cv2
 from igrip.errors import RecordingError
 from igrip.recording.mcap import McapReader
 from igrip.rgbd import RgbdFrame
@@ -40,7 +40,7 @@ class ReplayCamera:
     loop : bool
         Whether to begin again at the end; time goes on.
     fov, intrinsics : float, str
-        Of a video; see :class:`igrip.cameras.webcam.Lens`.
+        Of a video; see :class:`igrip.cameras.lens.Lens`.
 
     Raises
     ------

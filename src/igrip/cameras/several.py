@@ -57,13 +57,16 @@ class SeveralCameras:
         while True:
             with self._changed:
                 self._changed.wait_for(
-                    lambda: self._waiting or self._errors or self._closed or not self._running
+                    lambda: self._waiting or self._errors or self._closed or not self._running,
+                    timeout=0.5,  # Ctrl-C cannot end a wait everywhere
                 )
                 if self._closed:
                     return
                 if self._errors:
                     raise self._errors[0]
                 if not self._waiting:
+                    if self._running:
+                        continue
                     return
                 frame = self._waiting.pop(next(iter(self._waiting)))
             yield frame

@@ -10,6 +10,7 @@ import typer
 from igrip.cameras.base import CameraError, open_camera, split_names
 from igrip.cameras.board import Board
 from igrip.cameras.calibration import Placement, collect, place_camera, write_calibration
+from igrip.cameras.lens import find_lens
 from igrip.cli.console import errors, output
 from igrip.errors import IgripError
 
@@ -23,6 +24,11 @@ def calibrate(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="The file to write (.json).")
     ] = None,
+    lens: Annotated[
+        Path | None,
+        typer.Option(help="Find the lens of one camera instead, for ?intrinsics=, and write it "
+                     "here (.json); move the board about."),
+    ] = None,
     board: Annotated[
         Path | None, typer.Option(help="Write the board here (.svg), to be printed at 100 %.")
     ] = None,
@@ -32,8 +38,10 @@ def calibrate(
     ] = Board().tag_size,
     columns: Annotated[int, typer.Option(help="Tags in a row.", min=1, max=20)] = Board().columns,
     rows: Annotated[int, typer.Option(help="Rows.", min=1, max=20)] = Board().rows,
-    seconds: Annotated[float, typer.Option(help="At most so long.", min=0.1)] = 5.0,
-) -> None:
+    seconds: Annotated[
+        float | None, typer.Option(help="At most so long. Default: 5, for a lens 60.", min=0.1)
+    ] = None,
+) -> None:  # fmt: skip
     """Find where cameras stand from a board of AprilTags that lies still where all of them see it.
 
     The world then is the board's: its middle, x to its right, y to its top, z up. Use the file with
@@ -42,6 +50,8 @@ def calibrate(
     Example: igrip calibrate --board board.svg
 
     Example: igrip calibrate --camera oak:ID1+oak:ID2 --out cameras.json
+
+    Example: igrip calibrate --camera webcam:0 --lens lens.json
     """
     described = Board(columns=columns, rows=rows, tag_size=tag_size)
     if board is not None:
@@ -50,6 +60,9 @@ def calibrate(
         if board is None:
             raise IgripError("name the cameras (--camera), or a file for the board (--board)")
         return
+    if lens is not None:
+        _find_lens(camera, lens, described, seconds or 60.0)
+        return
     if out is None:
         raise IgripError("name the file to write (--out)")
     device = open_camera(camera)
@@ -57,7 +70,7 @@ def calibrate(
         if note := getattr(device, "note", None):
             errors.print(note, style="yellow", soft_wrap=True)
         with errors.status("looking at the board …"):
-            views = collect(device, described, seconds, len(split_names(camera)))
+            views = collect(device, described, seconds or 5.0, len(split_names(camera)))
     finally:
         device.close()
     if len(views) < len(split_names(camera)):
@@ -77,6 +90,22 @@ def _draw(path: Path, board: Board) -> None:
     except OSError as error:
         raise IgripError(f"{path}: {error.strerror or error}") from error
     output.print(f"{path}: print it at 100 %, measure a black square, glue it on something flat")
+
+
+def _find_lens(camera: str, path: Path, board: Board, seconds: float) -> None:
+    device = open_camera(camera)
+    try:
+        with errors.status("move the board about the whole picture, near and far, tilted …"):
+            found = find_lens(device, board, seconds)
+    finally:
+        device.close()
+    found.write(path)
+    own = found.intrinsics
+    output.print(
+        f"{path}: f {own.fx:.1f}, {own.fy:.1f}, centre {own.cx:.1f}, {own.cy:.1f} pixels of "
+        f"{own.width} × {own.height}; {found.views} pictures, {found.error:.2f} pixels",
+        soft_wrap=True,
+    )
 
 
 def _say(name: str, placed: Placement) -> None:

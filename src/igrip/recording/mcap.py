@@ -154,6 +154,8 @@ class McapWriter:
         RecordingError
             If the disk failed and no call has told so yet.
         """
+        if self._closed.is_set():
+            return
         self._closed.set()
         self._flusher.join()
         with self._lock:
@@ -241,12 +243,16 @@ class McapWriter:
             log.error(f"{self.path}: cannot be cut back: {error}")
 
     def _keep_flushing(self) -> None:
+        synced = 0
         while not self._closed.wait(FLUSH_EVERY):
             with self._lock:
                 if self._failure is not None:
                     return
                 if self._fresh:
                     self._do(self._flush)
+            if self._sink.tell() == synced:
+                continue
+            synced = self._sink.tell()
             try:
                 self._sink.sync()  # not under the lock: it may take long
             except OSError as error:

@@ -269,7 +269,8 @@ def _depth(record: Record) -> Any:
         unit = 0.0
     if not 0.0 < unit < 1.0:
         raise RecordingError("depth_unit_m: must be a length in metres")
-    return (counts * unit).astype(np.float32)
+    metres = (np.arange(65536) * unit).astype(np.float32)
+    return metres[counts]
 
 
 def _frame(
