@@ -102,7 +102,7 @@ def test_tags_from_a_file(shapes, tmp_path):
     [
         ({}, "needs to know which tags"),
         ({"tags": {7: {**TAG, "size": 0.0}}}, r"tags\.7\.size"),
-        ({"tags": {7: {**TAG, "sise": 0.1}}}, r"sise"),
+        ({"tags": {7: {**TAG, "sizes": 0.1}}}, r"sizes"),
         ({"tags": {7: {**TAG, "orientation": [0, 0, 0, 2]}}}, "not a rotation"),
         ({"tags": {7: TAG, 8: {**TAG, "model": CAN}}}, "two models"),
         ({"tags": {7: TAG}, "family": "tag99"}, "tag36h11"),
