@@ -104,4 +104,5 @@ def _smooth(random: np.random.Generator, shape: tuple[int, ...], size: float) ->
     if size <= 0.0:
         return noise
     noise = np.asarray(gaussian_filter(noise, size, mode="wrap"))
-    return noise * (2.0 * np.sqrt(np.pi) * size)  # of white noise a filter leaves 1/(2 sqrt(pi) s)
+    result: Array = noise * (2.0 * np.sqrt(np.pi) * size)  # a filter leaves 1 / (2 sqrt(pi) size)
+    return result
