@@ -17,8 +17,8 @@ COLOUR, DEPTH = "colour", "depth"
 STEREO_SIZE = (640, 400)  # of the two grey cameras; more than this is slower than 30 Hz with depth
 DEFAULTS: dict[str, Any] = {"size": (1280, 720), "fps": 30.0}
 PLUG_IN = (
-    "no OAK camera is found: plug it in (USB 3, with its own power for long cables); on Linux it "
-    "also needs the udev rule of docs/cameras.md"
+    "no OAK camera is found: plug it in (USB 3, with its own power for long cables) and end what "
+    "else uses it; on Linux it also needs the udev rule of docs/cameras.md"
 )
 
 

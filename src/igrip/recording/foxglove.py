@@ -2,7 +2,7 @@
 
 Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 bits. Both belong to
 one ``foxglove.CameraCalibration``, and the camera stands in the world by a
-``foxglove.FrameTransform``.
+``foxglove.FrameTransform``. Hands that were found are drawn by ``foxglove.ImageAnnotations``.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from igrip.errors import MissingExtraError, RecordingError
+from igrip.recording.messages import Detections
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 WORLD = "world"
@@ -133,6 +134,28 @@ def encode_place(frame: RgbdFrame) -> bytes:
     turn = message.rotation
     turn.x, turn.y, turn.z, turn.w = a, b, c, w
     return bytes(message.SerializeToString())
+
+
+def encode_annotations(found: Detections) -> bytes:
+    """Return the hands of a picture as points and words that a viewer draws over it."""
+    kind = schema("ImageAnnotations").message
+    message = _stamp(kind(), found.t)
+    for hand in found.hands:
+        dots = _stamp(message.points.add(), found.t)
+        dots.type, dots.thickness = dots.POINTS, 4.0
+        for u, v in hand.landmarks:
+            dots.points.add(x=u, y=v)
+        _paint(dots.outline_color)
+        if hand.landmarks:
+            words = _stamp(message.texts.add(), found.t)
+            words.position.x, words.position.y = hand.landmarks[0]
+            words.text, words.font_size = f"{hand.label or 'hand'} {hand.score:.0%}", 16.0
+            _paint(words.text_color)
+    return bytes(message.SerializeToString())
+
+
+def _paint(colour: Any) -> None:
+    colour.r, colour.g, colour.b, colour.a = 0.1, 0.9, 0.4, 1.0
 
 
 def decode_picture(data: bytes) -> NDArray[Any]:

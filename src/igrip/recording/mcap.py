@@ -1,8 +1,9 @@
 """Recordings as MCAP: frames of cameras and messages in one file, whole up to the last half second.
 
-Topics: ``/CAMERA/colour``, ``/CAMERA/depth``, ``/CAMERA/calibration``, ``/tf`` (protobuf, as
-Foxglove draws them), ``/observations``, ``/intentions``, ``/events``, ``/detections`` (JSON, each
-message the very line of a ``.jsonl``). Times are those of the data, on one monotonic clock.
+Topics: ``/CAMERA/colour``, ``/CAMERA/depth``, ``/CAMERA/calibration``, ``/CAMERA/annotations``,
+``/tf`` (protobuf, as Foxglove draws them), ``/observations``, ``/intentions``, ``/events``,
+``/detections`` (JSON, each message the very line of a ``.jsonl``). Times are those of the data, on
+one monotonic clock.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import msgspec
 from igrip.errors import MissingExtraError, RecordingError
 from igrip.recording import foxglove
 from igrip.recording.mcap_reader import McapReader
-from igrip.recording.messages import Event, Message, schema_of, topic_of
+from igrip.recording.messages import Detections, Event, Message, schema_of, topic_of
 from igrip.recording.sink import Sink
 from igrip.rgbd import RgbdFrame
 from igrip.version import __version__
@@ -118,6 +119,9 @@ class McapWriter:
         if more:
             data = msgspec.json.encode(msgspec.json.decode(data) | more)
         self._put(topic_of(message), message.t, data)
+        if isinstance(message, Detections):
+            drawn = foxglove.encode_annotations(message)
+            self._put(f"/{message.camera}/annotations", message.t, drawn)
 
     def write_frame(self, frame: RgbdFrame) -> None:
         """Append one frame; it is encoded in the thread that calls.
@@ -205,7 +209,11 @@ class McapWriter:
         self._fresh, self._flushed = False, time.monotonic()
 
     def _register(self, topic: str) -> int:
-        kinds = {"calibration": "CameraCalibration", "tf": "FrameTransform"}
+        kinds = {
+            "calibration": "CameraCalibration",
+            "annotations": "ImageAnnotations",
+            "tf": "FrameTransform",
+        }
         last = topic.rpartition("/")[2]
         if topic.count("/") > 1 or topic == "/tf":
             kind = foxglove.schema(kinds.get(last, "CompressedImage"))
