@@ -164,7 +164,7 @@ def of_the_sprites(folder: Path) -> None:
     real = list(film_sprites(folder / "hand_720p.mp4", finder, every=60))
     drawn = [draw_hand(seed=k) for k in range(3)]
     camera = Intrinsics(640, 480, 450.0, 450.0, 320.0, 240.0)
-    rng = np.random.default_rng(0)
+    rng, clock = np.random.default_rng(0), itertools.count(1000, -1)  # back: nothing is known
     plain = np.full((480, 640, 3), (190.0, 180.0, 165.0)) + rng.normal(0.0, 4.0, (480, 640, 3))
     desks = {"plain": plain.astype(np.uint8), "cluttered": still(folder / "ycbv_000629_rgb.png")}
     for desk, (low, high), light in itertools.product(desks, ((0.3, 0.5), (0.5, 0.9)), (1.0, 1.4)):
@@ -174,7 +174,7 @@ def of_the_sprites(folder: Path) -> None:
             for k in range(24):
                 at = tuple(rng.uniform([150, 150], [490, 330]))
                 depth, turn = rng.uniform(low, high), rng.uniform(-3.1, 3.1)
-                empty = RgbdFrame(1000.0 - k, desks[desk], None, camera)  # back: nothing is known
+                empty = RgbdFrame(float(next(clock)), desks[desk], None, camera)
                 frame, truth = place(empty, sprites[k % len(sprites)], at, depth, turn, light)
                 for hand in finder.find(frame):
                     gap = hand.landmarks[list(PALM)].mean(0) - truth.landmarks[list(PALM)].mean(0)
