@@ -42,7 +42,7 @@ class PalmConfig(Settings):
         6.0, "pixel", "depths nearer than this to each other err alike", "guess", gt=0
     )
     jitter: float = quantity(
-        0.02, "1", "standard deviation of the palm centre in the picture, in lengths of the palm",
+        0.03, "1", "standard deviation of the palm centre in the picture, in lengths of the palm",
         "docs/hands.md", ge=0,
     )  # fmt: skip
     landmarks: bool = False
