@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation
 
 import igrip
 from igrip.objects.catalog import PAPER_OBJECTS
+from igrip.simulation.render.layout import LayoutConfig
 from igrip.simulation.rendered import RenderedScene, strewn_scene
 from igrip.vision.poses.depth import DepthPoses
 
@@ -36,10 +37,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=60)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--frames", type=int, default=10, help="tracked after the first")
+    parser.add_argument("--frames", type=int, default=5, help="tracked after the first")
     parser.add_argument("--distractors", action="store_true")
+    parser.add_argument("--apart", type=float, default=0.03, help="least gap [m]")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
+    crowd = {"apart": arguments.apart}
+    if arguments.apart < 0.03:  # heap them up
+        crowd.update(width=0.3, depth=0.25)
     catalog = igrip.load_objects("ycb")
     finder = DepthPoses(catalog, {"models": PAPER_OBJECTS})
     tally = dict.fromkeys(("objects", "within", "wrong", "missed", "hidden", "invented"), 0)
@@ -53,7 +58,7 @@ def main() -> None:
         if arguments.distractors:
             names += [str(random.choice(OTHERS))]
         try:
-            scene = strewn_scene(catalog, names, random)
+            scene = strewn_scene(catalog, names, random, LayoutConfig(**crowd))
         except ValueError:
             continue  # they did not fit
         finder.close()
