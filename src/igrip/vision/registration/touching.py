@@ -16,7 +16,7 @@ from igrip.vision.registration.view import View
 Array = NDArray[np.float64]
 
 PARTS = (2, 3)  # into so many parts a group is divided for a start
-ON, BESIDE = (
+ON, BESIDE = 0.008, 0.02  # so near is on a mesh; so near is what it is fitted to [m]
     0.008,
     0.02,
 )  # so near a point is on a mesh; from there to here it speaks against it [m]
@@ -73,7 +73,7 @@ def _candidate(
     near = np.abs(_distances(rough, group.points)) < BESIDE
     fit = refit(rough, group.points[near], group.depths[near], view, BESIDE, 10)
     away = np.abs(_distances(fit, group.points))
-    # refit says how much of what is near it explains: that stands for the cover of a cluster
+    # of what is near it, refit says how much it explains: for the cover of a cluster
     return weigh(fit), fit, away < ON
 
 
