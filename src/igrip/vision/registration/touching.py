@@ -17,9 +17,6 @@ Array = NDArray[np.float64]
 
 PARTS = (2, 3)  # into so many parts a group is divided for a start
 ON, BESIDE = 0.008, 0.02  # so near is on a mesh; so near is what it is fitted to [m]
-    0.008,
-    0.02,
-)  # so near a point is on a mesh; from there to here it speaks against it [m]
 TOGETHER = 0.8  # share of the group that the meshes must explain together; guess
 OWN = 0.7  # share of what a mesh explains that no other one has explained before; guess
 
