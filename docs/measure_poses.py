@@ -19,7 +19,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import igrip
-from igrip.objects.catalog import PAPER_OBJECTS
+from igrip.objects.catalog import PAPER_OBJECTS, Catalog
+from igrip.objects.model import ObjectModel
+from igrip.simulation.render.layout import LayoutConfig, PlacedMesh
 from igrip.simulation.rendered import RenderedScene, strewn_scene
 from igrip.vision.poses.depth import DepthPoses
 
@@ -36,12 +38,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=60)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--frames", type=int, default=10, help="tracked after the first")
+    parser.add_argument("--frames", type=int, default=5, help="tracked after the first")
     parser.add_argument("--distractors", action="store_true")
+    parser.add_argument("--strangers", action="store_true", help="only things not looked for")
+    parser.add_argument("--apart", type=float, default=0.03, help="least gap [m]")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
+    crowd = {"apart": arguments.apart}
+    if arguments.apart < 0.03:  # heap them up
+        crowd.update(width=0.3, depth=0.25)
     catalog = igrip.load_objects("ycb")
     finder = DepthPoses(catalog, {"models": PAPER_OBJECTS})
+    if arguments.strangers:
+        strangers(catalog, finder, arguments.scenes, arguments.seed)
+        return
     tally = dict.fromkeys(("objects", "within", "wrong", "missed", "hidden", "invented"), 0)
     gaps: list[float] = []
     turns: dict[str, list[float]] = {name: [] for name in PAPER_OBJECTS}
@@ -53,7 +63,7 @@ def main() -> None:
         if arguments.distractors:
             names += [str(random.choice(OTHERS))]
         try:
-            scene = strewn_scene(catalog, names, random)
+            scene = strewn_scene(catalog, names, random, LayoutConfig(**crowd))
         except ValueError:
             continue  # they did not fit
         finder.close()
@@ -116,6 +126,43 @@ def main() -> None:
     print(f"load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
 
 
+def strangers(catalog: Catalog, finder: DepthPoses, scenes: int, first: int) -> None:
+    """Print for which things that are not looked for a model is reported."""
+    shown = dict.fromkeys(OTHERS, 0)
+    taken: dict[tuple[str, str], int] = {}
+    for seed in range(first, first + scenes):
+        random = np.random.default_rng(seed)
+        names = [str(name) for name in random.choice(OTHERS, 3, replace=False)]
+        try:
+            scene = strewn_scene(catalog, names, random)
+        except ValueError:
+            continue
+        finder.close()
+        for name in names:
+            shown[name] += 1
+        for model, pose in finder.find(scene.frame(0.0, random)).items():
+            if pose is not None:
+                at = np.array(pose.position), pose.orientation
+                gaps = {n: model_gap(catalog[model], scene.objects[n], *at) for n in names}
+                pair = (min(gaps, key=lambda n: gaps[n]), model)
+                taken[pair] = taken.get(pair, 0) + 1
+    print(f"{sum(shown.values())} things shown, {sum(taken.values())} taken for a model")
+    for (name, model), count in sorted(taken.items(), key=lambda item: -item[1]):
+        print(f"  {name} for {model}: {count} of {shown[name]}")
+
+
+def model_gap(
+    model: ObjectModel,
+    there: PlacedMesh,
+    position: np.ndarray,
+    orientation: tuple[float, float, float, float],
+) -> float:
+    """Return how far the middle of a model in a pose is from that of what is there [m]."""
+    found = Rotation.from_quat(orientation).as_matrix() @ model.sphere[:3] + position
+    true = there.pose[:3, :3] @ there.model.sphere[:3] + there.pose[:3, 3]
+    return float(np.linalg.norm(found - true))
+
+
 def middle_gap(
     scene: RenderedScene,
     name: str,
@@ -124,11 +171,8 @@ def middle_gap(
     at: str | None = None,
 ) -> float:
     """Return how far the middle of a mesh is from where it (or another object) is [m]."""
-    middle = scene.objects[name].model.sphere[:3]
-    found = Rotation.from_quat(orientation).as_matrix() @ middle + position
-    true = scene.objects[at or name]
-    there = true.pose[:3, :3] @ true.model.sphere[:3] + true.pose[:3, 3]
-    return float(np.linalg.norm(found - there))
+    there = scene.objects[at or name]
+    return model_gap(scene.objects[name].model, there, position, orientation)
 
 
 def turn_gap(

@@ -167,6 +167,33 @@ def test_what_is_lifted_is_followed(catalog, finder):
         assert gap(scene.objects["mustard"], pose) < 0.015
 
 
+@pytest.mark.parametrize(
+    "places",
+    [
+        {"mustard": (-0.04, 0.0, 0.3), "soup": (0.045, 0.0)},
+        {"mustard": (0.0, 0.0, 1.2), "soup": (0.0, -0.075)},
+        {"box": (-0.05, 0.0, 0.3), "mustard": (0.04, -0.02, 1.5)},
+    ],
+)
+def test_things_that_touch_are_two(catalog, places):
+    finder = DepthPoses(catalog, {"models": PAPER_OBJECTS})
+    scene = two(catalog, **places)
+    poses = finder.find(scene.frame(0.0, np.random.default_rng(0)))
+    assert len(poses) == 2
+    for placed in scene.objects.values():
+        assert gap(placed, poses[placed.model.name]) < 0.015
+
+
+def test_unknown_things_that_touch_are_nothing(catalog):
+    finder = DepthPoses(catalog, {"models": PAPER_OBJECTS})
+    objects = {
+        "a": standing(catalog["036_wood_block"], -0.05, 0.0),
+        "b": standing(catalog["025_mug"], 0.05, -0.03),
+    }
+    scene = RenderedScene(objects, CAMERA)
+    assert finder.find(scene.frame(0.0, np.random.default_rng(0))) == {}
+
+
 def test_two_of_one_kind(catalog):
     finder = DepthPoses(catalog, {"models": [SOUP], "instances": {SOUP: 2}})
     model = catalog[SOUP]

@@ -11,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 from igrip.vision.registration.clusters import LEAST, Cluster, clusters_above
 from igrip.vision.registration.fit import Fit, fit_cluster
 from igrip.vision.registration.shape import Shape
+from igrip.vision.registration.touching import part
 from igrip.vision.registration.view import View
 
 Array = NDArray[np.float64]
@@ -58,16 +59,28 @@ def search(
         left = {id: shape for id, shape in wanted.items() if id not in found}
         if not left:
             break
-        groups = [
-            group
-            for group in clusters_above(points, depths, view.spread)
-            for group in _without(group, (*taken, *found.values()))
-        ]
+        groups = _groups(points, depths, (*taken, *found.values()), view)
         new = _assign(groups, left, view, threshold, weigh, random)
+        found.update(new)
         if not new:
             break
+    left = {id: shape for id, shape in wanted.items() if id not in found}
+    if len(left) < 2:
+        return found
+    for group in _groups(points, depths, (*taken, *found.values()), view):
+        new = part(group, left, view, threshold, weigh, random)
         found.update(new)
+        left = {id: shape for id, shape in left.items() if id not in new}
     return found
+
+
+def _groups(points: Array, depths: Array, known: Sequence[Fit], view: View) -> list[Cluster]:
+    """Return what stands on the table without the points of known objects."""
+    return [
+        rest
+        for group in clusters_above(points, depths, view.spread)
+        for rest in _without(group, known)
+    ]
 
 
 def _without(group: Cluster, fits: Sequence[Fit]) -> list[Cluster]:
