@@ -32,6 +32,8 @@ EXTRAS = {
     "report": ("pandas", "pyarrow", "matplotlib", "jinja2"),
     "outputs": ("websockets", "pylsl"),
     "mcap": ("mcap", "zstandard", "foxglove-schemas-protobuf", "opencv-python-headless"),
+    "hands": ("mediapipe", "opencv-python-headless"),
+    "poses": ("pupil-apriltags", "opencv-python-headless"),
     "oak": ("depthai",),
     "realsense": ("pyrealsense2",),
     "bench": ("embreex", "matplotlib", "rtree"),
