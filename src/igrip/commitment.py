@@ -43,7 +43,7 @@ class CommitmentConfig(Settings):
     assisted: tuple[str, ...] = EVERY
     needs_confirmation: bool = False
     reliability: float = quantity(
-        0.5, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
+        0.45, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
     )  # fmt: skip
     least: float = quantity(0.5, "1", "confidence asked for at reliability 0", "guess", gt=0, lt=1)

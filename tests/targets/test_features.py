@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from igrip.motion import noise
 from igrip.motion import reach as course
 from igrip.motion.reach import ReachDetector
 from igrip.simulation.minimum_jerk import reach
@@ -46,6 +47,7 @@ def changed(one, turn, shift, scale):
         state[first : first + 3] = scale * turn.apply(state[first : first + 3]) + shift
     state[course.CALM : course.CALM + 3] = scale * turn.apply(state[course.CALM : course.CALM + 3])
     state[[course.PEAK, course.PATH]] *= scale
+    state[course.NOISE + noise.VARIANCE] *= scale**2
     points[:, 1:] = scale * turn.apply(points[:, 1:]) + shift
     now[:3] = scale * turn.apply(now[:3]) + shift
     now[3:6], now[6:] = scale * turn.apply(now[3:6]), scale * turn.apply(now[6:])

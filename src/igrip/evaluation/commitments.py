@@ -10,8 +10,8 @@ from igrip.commitment import CommitmentConfig, Committer, Evidence
 if TYPE_CHECKING:
     import pandas as pd
 
-POINTS = tuple(round(0.1 * k, 1) for k in range(11))
-"""Reliabilities at which commitments are judged."""
+POINTS = tuple(sorted({*(round(0.1 * k, 1) for k in range(11)), CommitmentConfig().reliability}))
+"""Reliabilities at which commitments are judged; the default is among them."""
 
 
 class Curve:
