@@ -201,7 +201,8 @@ def test_nobody_waits_and_only_the_newest_frame_is_sent(serve, client):
         told = finder.find(frame(2.0, value=60))
         time.sleep(0.005)
         assert time.monotonic() - begin < 10.0
-    assert asked[:2] == [0, 49]  # the 48 in between were never sent
+    assert asked[0] == 0
+    assert min(asked[1:]) >= 49  # the 48 in between were never sent
 
 
 def test_late_answers_carry_the_time_of_their_frame(serve, client):
