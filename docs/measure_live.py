@@ -27,6 +27,7 @@ from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.observation import Observation
 from igrip.rgbd import RgbdFrame
 from igrip.simulation.filmed import MIDDLE, FilmedReach, film_reach
+from igrip.simulation.render.layout import PlacedMesh
 from igrip.simulation.sprites import Sprite, film_sprites, place
 from igrip.vision.hands.mediapipe import MediaPipeHands
 
@@ -88,9 +89,7 @@ def judge(catalog: Catalog, film: FilmedReach, messages: Iterator[Observation]) 
                 off.append(float(np.linalg.norm(np.array(told.position) - world[k])))
         for id, pose in message.objects.items():
             if pose is not None:
-                offs[id] = float(
-                    np.linalg.norm(np.array(pose.position) - film.scene.objects[id].pose[:3, 3])
-                )
+                offs[id] = _apart(film.scene.objects[id], pose)
         for said in estimator.update(message):
             if onset <= message.t <= end:
                 named.append(said.target)
@@ -103,6 +102,14 @@ def judge(catalog: Catalog, film: FilmedReach, messages: Iterator[Observation]) 
         "at_end": bool(named) and named[-1] == film.task.target,
         "off": off, "objects_off": offs,
     }  # fmt: skip
+
+
+def _apart(placed: PlacedMesh, pose: ObjectPose) -> float:
+    """Return how far the middle of an object is off [m]: its origin may lie outside it."""
+    middle = placed.model.sphere[:3]
+    true = placed.pose[:3, :3] @ middle + placed.pose[:3, 3]
+    told = Rotation.from_quat(pose.orientation).as_matrix() @ middle + np.array(pose.position)
+    return float(np.linalg.norm(true - told))
 
 
 def main() -> int:
