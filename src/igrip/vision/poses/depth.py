@@ -21,9 +21,9 @@ from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings, quantity
 from igrip.vision.poses.base import POSES, PoseFinder
 from igrip.vision.registration.colours import Palette, likeness, palette_of, read_picture
-from igrip.vision.registration.fit import Fit, settled
+from igrip.vision.registration.fit import Fit, misfit, settled
 from igrip.vision.registration.plane import Plane, find_plane
-from igrip.vision.registration.search import search
+from igrip.vision.registration.search import on_shape, search
 from igrip.vision.registration.shape import Shape, shape_of
 from igrip.vision.registration.track import Track, follow, nearby
 from igrip.vision.registration.view import View, inverse, points_of, view_of
@@ -53,6 +53,10 @@ class DepthOptions(Settings):
     threshold: float = quantity(
         0.66, "1", "fits with a lesser score are no object", "docs/poses.md", ge=0, le=1
     )
+    misfit: float = quantity(
+        0.045, "1", "nor are those whose points are farther off: mean square, in shares of what "
+        "noise allows", "docs/poses.md", gt=0,
+    )  # fmt: skip
     nearest: float = quantity(0.2, "m", "nothing nearer is looked at", "guess", ge=0)
     farthest: float = quantity(2.0, "m", "and nothing farther", "guess", gt=0)
     every: float = quantity(
@@ -202,7 +206,19 @@ class DepthPoses:
             self.options.threshold, weigh, self._random,
         )  # fmt: skip
         for id, rough in found.items():
-            fit = settled(rough, *nearby(rough, view, DENSE), view)
+            others = [other for name, other in found.items() if name != id]
+            others += [track.fit for track in seen.values()]
+            near, depths = nearby(rough, view, DENSE)
+            own = np.ones(len(near), dtype=np.bool_)
+            for other in others:  # what stands beside it says nothing against it
+                own &= ~on_shape(other, near)
+            if not own.any():
+                continue
+            fit = settled(rough, near[own], depths[own], view)
+            if weigh(fit) < 0.9 * self.options.threshold:
+                continue
+            if misfit(fit, near[own], view) > self.options.misfit:
+                continue  # alike, but not the same
             camera.tracks[id] = Track(fit, frame.t, fit.hidden)
             camera.lost.discard(id)
 

@@ -87,7 +87,7 @@ def _without(group: Cluster, fits: Sequence[Fit]) -> list[Cluster]:
     """Return a cluster without the points of these objects, if enough are left."""
     free = np.ones(len(group.points), dtype=np.bool_)
     for fit in fits:
-        free &= ~_on(fit, group.points)
+        free &= ~on_shape(fit, group.points)
     if free.all():
         return [group]
     if free.sum() < max(LEAST, 0.1 * len(free)):
@@ -127,7 +127,7 @@ def _assign(
     }
 
 
-def _on(fit: Fit, points: Array) -> NDArray[np.bool_]:
+def on_shape(fit: Fit, points: Array) -> NDArray[np.bool_]:
     """Whether points (n, 3) of the table are on a shape, or inside it."""
     result = np.zeros(len(points), dtype=np.bool_)
     shape = fit.shape
