@@ -93,3 +93,14 @@ def grown(rng: random.Random, depth=0):
     if kind < 0.8:
         return {rng.choice(KEYS): grown(rng, depth + 1) for _ in range(rng.randrange(4))}
     return [grown(rng, depth + 1) for _ in range(rng.randrange(4))]
+
+
+def garbled(message, rng):
+    """Return a message as bytes or text, with some bytes replaced, or noise."""
+    data = bytearray(message)
+    for _ in range(rng.randint(1, 4)):
+        at = rng.randrange(len(data))
+        data[at : at + rng.randint(0, 6)] = rng.choice(JUNK)
+    if rng.random() < 0.2:
+        data = bytearray(rng.randbytes(rng.randint(0, 80)))
+    return bytes(data) if rng.random() < 0.5 else data.decode("latin-1")

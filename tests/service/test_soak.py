@@ -4,28 +4,21 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import subprocess
 import sys
 import threading
 import time
 import urllib.request
-from pathlib import Path
 
 import numpy as np
 import pytest
 from websockets.sync.client import connect
 
 from igrip.simulation.demo import DemoConfig, DemoPerson
+from memory import resident
 
 SECONDS = float(os.environ.get("IGRIP_SOAK_SECONDS", "600"))
 RATE = 200.0
-
-
-def resident(pid):
-    """Return the memory of a process [MB]."""
-    text = Path(f"/proc/{pid}/status").read_text()
-    return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024.0
 
 
 def soak(ycb, seconds, rate=RATE):

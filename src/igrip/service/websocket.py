@@ -27,7 +27,7 @@ except ImportError:  # pragma: no cover - the extra is there where this is teste
     raise MissingExtraError("websockets", "outputs", "the WebSocket server") from None
 
 MOST_CLIENTS = 32
-BEHIND = 256  # intentions that may wait for one client
+BEHIND = 1024  # intentions that may wait for one client
 ERROR_EVERY = 1.0  # s between two answers to one sender of what cannot be read
 TOO_LARGE = 1009  # RFC 6455
 TRY_LATER = 1013  # RFC 6455 registry: try again later
@@ -194,6 +194,7 @@ class WebSocketServer:
             except ObservationError as error:
                 self._count("malformed")
                 self._answer(connection, error)
+            await asyncio.sleep(0)  # one that floods must not keep the others from being served
 
     async def _tell(self, connection: ServerConnection, packed: bool) -> None:
         """Send intentions to one client, each as it is at that moment; take its words."""
