@@ -103,6 +103,14 @@ def test_a_camera_that_misses_a_hand_takes_nothing_from_one_that_sees_it():
         assert not misses(frame(k / 30 + 0.01, "b")).hands
 
 
+def test_a_recording_that_begins_anew_is_another_run():
+    shared = names(shared=True)
+    for begin in (100.0, 0.0):
+        eye = HandEye(Finder([160.0, 100.0]), shared)
+        found = [eye(frame(begin + k / 30)) for k in range(10)]
+        assert [len(f.hands) for f in found] == [0, 0, *[1] * 8]
+
+
 def test_what_is_wrong_is_said_before_the_camera_runs(ycb):
     with pytest.raises(UnknownNameError, match="mediapipe"):
         hand_eye("mediapip", 2)

@@ -18,6 +18,9 @@ from igrip.vision.palms import measure_palm
 from igrip.vision.poses.base import POSES
 
 
+ANOTHER_RUN = 0.5  # s by which time goes back where a recording begins anew
+
+
 class Names:
     """Ids of hands, shared by the cameras that look at the same people; safe between threads.
 
@@ -38,7 +41,8 @@ class Names:
     def take(self, t: float, seen: list[Sighting]) -> Mapping[str, int | None]:
         """Return which sighting each hand is; see :class:`igrip.vision.identity.HandIdentities`."""
         with self._lock:
-            self._t = max(self._t, t)  # cameras overtake each other by some milliseconds
+            # cameras overtake each other by some milliseconds; what is older is another run
+            self._t = t if t < self._t - ANOTHER_RUN else max(self._t, t)
             found = self._identities.update(self._t, seen)
         return {id: k for id, k in found.items() if k is not None or not self._shared}
 
