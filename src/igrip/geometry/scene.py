@@ -36,12 +36,9 @@ class RayConfig(Settings):
         math.radians(8.0), "rad", "half-angle at fast_speed", "SPEC §4", gt=0, lt=1.5
     )
     least_speed: float = quantity(
-        0.03,
-        "m/s",
-        "a slower predicted point has no direction, so no cone",
-        "as cues.least_speed",
-        ge=0,
-    )
+        0.03, "m/s", "a slower predicted point has no direction, so no cone",
+        "as cues.least_speed", ge=0,
+    )  # fmt: skip
     contact_distance: float = quantity(
         0.08, "m", "palm to surface when a grasp closes", "SPEC §9", ge=0
     )

@@ -17,7 +17,6 @@ from igrip.vision.identity import HandIdentities, IdentityConfig, Sighting
 from igrip.vision.palms import measure_palm
 from igrip.vision.poses.base import POSES
 
-
 ANOTHER_RUN = 0.5  # s by which time goes back where a recording begins anew
 
 

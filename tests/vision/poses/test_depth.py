@@ -254,8 +254,8 @@ def test_no_table_no_objects(catalog, finder):
 
 def test_wrong_options_are_named(catalog):
     make = POSES.get("depth")
-    with pytest.raises(IgripError, match="treshold"):
-        make(catalog, {"treshold": 0.5})
+    with pytest.raises(IgripError, match="thresh"):
+        make(catalog, {"thresh": 0.5})
     with pytest.raises(IgripError, match="threshold"):
         make(catalog, {"threshold": 1.5})
     with pytest.raises(UnknownModelError):
