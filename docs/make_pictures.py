@@ -5,12 +5,19 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import cv2
 from playwright.sync_api import Page, sync_playwright
 
 from igrip import Config, Estimator, load_objects
+from igrip.cameras.rendered import RenderedCamera
+from igrip.live.eyes import hand_eye, object_eye
+from igrip.live.merge import HandsFound
+from igrip.live.offline import observe
 from igrip.objects.catalog import PAPER_OBJECTS
+from igrip.rgbd import RgbdFrame
 from igrip.simulation.demo import DemoPerson
 from igrip.viewer.grip_page import GripPage
+from igrip.viewer.overlay import draw_overlay
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot, rays_of, take_snapshot
 
@@ -62,8 +69,37 @@ def photograph(page: Page, url: str, text: str, name: str) -> None:
     page.screenshot(path=FOLDER / name)
 
 
+def live_picture(name: str, seed: int = 1) -> None:
+    """Draw what a live chain sees and says of a rendered reach, when it is surest."""
+    catalog = load_objects("ycb")
+    camera = RenderedCamera(seed)
+    find_hands = hand_eye("mediapipe", 2)()
+    look = object_eye("depth", catalog, {"models": PAPER_OBJECTS})()
+    estimator = Estimator(catalog)
+    seen: list[HandsFound] = []
+
+    def hands(frame: RgbdFrame) -> HandsFound:
+        seen.append(find_hands(frame))
+        return seen[-1]
+
+    frames = (camera.frame(k / 30.0) for k in range(120))
+    best, picture = 0.0, None
+    for message in observe(frames, hands, look):
+        for said in estimator.update(message):
+            sure = said.confidence or 0.0
+            if said.status == "reaching" and sure > best and seen[-1].landmarks:
+                told = list(estimator.latest.values())
+                best, picture = sure, draw_overlay(
+                    seen[-1].frame, seen[-1].landmarks, estimator.objects, told
+                )  # fmt: skip
+    find_hands.close()
+    assert picture is not None, "no hand reached in this film"
+    cv2.imwrite(str(FOLDER / name), picture[..., ::-1])
+
+
 def main() -> None:
     """Write all pictures."""
+    live_picture("live.png")
     FOLDER.mkdir(exist_ok=True)
     moments, words = most_telling()
     viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)

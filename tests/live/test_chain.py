@@ -98,6 +98,28 @@ def test_closing_from_elsewhere_ends_it():
         assert time.monotonic() - begin < 3.0
 
 
+def test_no_thread_is_left_and_finders_are_closed():
+    closed = []
+
+    class Finder:
+        def __init__(self):
+            self.find = hands_finder()
+
+        def __call__(self, frame):
+            return self.find(frame)
+
+        def close(self):
+            closed.append(threading.current_thread().name)
+
+    before = threading.active_count()
+    with Chain(FakeCamera(), Finder, objects_finder) as chain:
+        for message in chain:
+            if message.t > 0.2:
+                break
+    assert threading.active_count() == before
+    assert closed == ["igrip-camera: hands"]
+
+
 def test_each_camera_has_its_own_finders():
     made = []
 

@@ -34,7 +34,8 @@ class Chain:
         Or several, which say in each frame whose it is.
     new_hands, new_objects : function or None
         Called once for each camera; what they return is called with each of its frames that is
-        worked on (and, for objects, the newest hands of that camera).
+        worked on (and, for objects, the newest hands of that camera), and closed in the end if it
+        has a ``close``.
     clock : function
         The clock of the frames [s].
 
@@ -83,6 +84,7 @@ class Chain:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+        self.join()
 
     def __iter__(self) -> Iterator[Observation]:
         self._thread.start()
@@ -98,13 +100,21 @@ class Chain:
                 yield self._merge.tick(self._clock())
 
     def close(self) -> None:
-        """End everything; an iteration under way ends. From any thread."""
+        """End everything; an iteration under way ends. From any thread; see :meth:`join`."""
         self._camera.close()
-        for stage in self._all_stages():
+        stages = self._all_stages()
+        for stage in stages:
             stage.close()
         with self._change:
             self._over = True
             self._change.notify_all()
+
+    def join(self) -> None:
+        """Wait until all threads have ended; after :meth:`close`."""
+        if self._thread.is_alive():
+            self._thread.join(LAST)
+        for stage in self._all_stages():
+            stage.join(LAST)
 
     def pictures(self) -> dict[str, HandsFound]:
         """Return the newest frame whose hands were looked for, of each camera."""
@@ -151,23 +161,26 @@ class Chain:
         stages: list[Stage[Any]] = []
         if self._new_hands is not None:
             find = self._new_hands()
-            stages.append(self._stage(camera, "hands", find))
+            stages.append(self._stage(camera, "hands", find, find))
         if self._new_objects is not None:
             look = self._new_objects()
             work = lambda frame: look(frame, self._pictures.get(camera))  # noqa: E731
-            stages.append(self._stage(camera, "objects", work))
+            stages.append(self._stage(camera, "objects", work, look))
         with self._change:
             self._stages[camera] = stages
         return stages
 
-    def _stage(self, camera: str, kind: str, work: Callable[[RgbdFrame], Any]) -> Stage[Any]:
+    def _stage(
+        self, camera: str, kind: str, work: Callable[[RgbdFrame], Any], finder: object
+    ) -> Stage[Any]:
         def hand_on(found: HandsFound | ObjectsFound) -> None:
             self._put((camera, kind), found)
 
         def give_up(error: Exception) -> None:
             self._fail(IgripError(f"{kind} of {camera}: {error}"))
 
-        return Stage(f"{camera}: {kind}", work, hand_on, give_up, self._clock)
+        end = getattr(finder, "close", lambda: None)
+        return Stage(f"{camera}: {kind}", work, hand_on, give_up, self._clock, end)
 
     def _put(self, key: tuple[str, str], found: HandsFound | ObjectsFound) -> None:
         with self._change:

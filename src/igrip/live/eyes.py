@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from igrip.live.chain import FindHands, FindObjects
 from igrip.live.merge import HandsFound, ObjectsFound
 from igrip.objects.catalog import Catalog
 from igrip.rgbd import RgbdFrame
 from igrip.vision.hands.base import HANDS, HandFinder
 from igrip.vision.identity import HandIdentities, IdentityConfig, Sighting
 from igrip.vision.palms import measure_palm
-from igrip.vision.poses.base import POSES
+from igrip.vision.poses.base import POSES, PoseFinder
 
 ANOTHER_RUN = 0.5  # s by which time goes back where a recording begins anew
 
@@ -77,10 +76,34 @@ class HandEye:
                 landmarks[name] = measured[k][0].landmarks
         return HandsFound(frame, hands, landmarks)
 
+    def close(self) -> None:
+        """Let go of the finder."""
+        self._finder.close()
 
-def hand_eye(
-    name: str, most: int, apart: bool = False, cameras: int = 1
-) -> Callable[[], FindHands]:
+
+class ObjectEye:
+    """Finds objects, hands being where they are.
+
+    Parameters
+    ----------
+    finder : PoseFinder
+        New, for one camera.
+    """
+
+    def __init__(self, finder: PoseFinder) -> None:
+        self._finder = finder
+
+    def __call__(self, frame: RgbdFrame, hands: HandsFound | None) -> ObjectsFound:
+        """Return the objects of a frame."""
+        covers = list(hands.landmarks.values()) if hands is not None else []
+        return ObjectsFound(frame, self._finder.find(frame, covers))
+
+    def close(self) -> None:
+        """Let go of the finder."""
+        self._finder.close()
+
+
+def hand_eye(name: str, most: int, apart: bool = False, cameras: int = 1) -> Callable[[], HandEye]:
     """Return what makes a :class:`HandEye` for each camera.
 
     Parameters
@@ -103,16 +126,14 @@ def hand_eye(
     config = IdentityConfig(hands=most)
     fused = Names(config, cameras > 1)
 
-    def make() -> FindHands:
+    def make() -> HandEye:
         return HandEye(new(), Names(config, False) if apart else fused, apart)
 
     return make
 
 
-def object_eye(
-    name: str, catalog: Catalog, options: Mapping[str, Any]
-) -> Callable[[], FindObjects]:
-    """Return what makes a function that finds objects for each camera.
+def object_eye(name: str, catalog: Catalog, options: Mapping[str, Any]) -> Callable[[], ObjectEye]:
+    """Return what makes an :class:`ObjectEye` for each camera.
 
     Raises
     ------
@@ -124,13 +145,7 @@ def object_eye(
     new = POSES.get(name)
     first = [new(catalog, options)]  # what is wrong with its options is told now
 
-    def make() -> FindObjects:
-        finder = first.pop() if first else new(catalog, options)
-
-        def look(frame: RgbdFrame, hands: HandsFound | None) -> ObjectsFound:
-            covers = list(hands.landmarks.values()) if hands is not None else []
-            return ObjectsFound(frame, finder.find(frame, covers))
-
-        return look
+    def make() -> ObjectEye:
+        return ObjectEye(first.pop() if first else new(catalog, options))
 
     return make

@@ -32,6 +32,8 @@ class Stage(Generic[T]):
         Called with the error, once so many frames in a row have failed.
     clock : function
         A monotonic clock, that of the frames [s].
+    end : function
+        Called in the stage's thread once all is done.
 
     Attributes
     ----------
@@ -46,12 +48,14 @@ class Stage(Generic[T]):
     def __init__(
         self, name: str, work: Callable[[RgbdFrame], T], hand_on: Callable[[T], None],
         give_up: Callable[[Exception], None], clock: Callable[[], float] = time.monotonic,
+        end: Callable[[], None] = lambda: None,
     ) -> None:  # fmt: skip
         self.name = name
         self.inlet: Newest[RgbdFrame] = Newest()
         self.meter = Meter()
         self.failed = 0
         self._work, self._hand_on, self._give_up, self._clock = work, hand_on, give_up, clock
+        self._end = end
         self._thread = threading.Thread(target=self._run, name=f"igrip-{name}", daemon=True)
         self._thread.start()
 
@@ -64,6 +68,12 @@ class Stage(Generic[T]):
         self._thread.join(timeout)
 
     def _run(self) -> None:
+        try:
+            self._work_on()
+        finally:
+            self._end()
+
+    def _work_on(self) -> None:
         in_a_row = 0
         while not self.inlet.over:
             frame = self.inlet.take()
