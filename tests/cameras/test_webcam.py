@@ -32,7 +32,7 @@ class Capture:
         return self.left >= 0
 
     def retrieve(self):
-        return True, np.full((480, 640, 3), [1, 2, 3], np.uint8)
+        return True, np.full((480, 640, 3), [1, 2, self.left], np.uint8)
 
     def release(self):
         self.released = True
@@ -51,7 +51,7 @@ def test_frames_until_it_is_unplugged(capture):
     camera = open_camera("webcam:2?fov=90")
     iterator = iter(camera)
     seen = [next(iterator) for _ in range(3)]
-    assert (seen[0].colour == [3, 2, 1]).all()  # red first
+    assert (seen[0].colour == [2, 2, 1]).all()  # red first
     assert seen[0].depth is None
     assert seen[0].camera == "webcam-2"
     assert seen[0].intrinsics == pytest.approx((640, 480, 320.0, 320.0, 319.5, 239.5))

@@ -7,6 +7,8 @@ import json
 import subprocess
 import sys
 
+import pytest
+
 import igrip
 
 
@@ -29,6 +31,16 @@ def test_a_camera_that_is_unknown_or_absent_is_said_to_be():
         assert done.returncode == 2
         assert words in done.stderr
         assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("camera", "words"),
+    [("rendered:1+rendered:2", "--calibration"), ("replay:x.mcap?speed=2", "speed=2")],
+)
+def test_what_would_mix_places_or_times_is_refused(camera, words):
+    done = live("--camera", camera, "--hands", "none", "--objects", "none", "--headless")
+    assert done.returncode == 2
+    assert words in done.stderr
 
 
 def test_objects_of_a_rendered_camera_are_seen_recorded_and_replayed(tmp_path):

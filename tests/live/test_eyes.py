@@ -5,8 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from igrip.entities import ObjectPose
 from igrip.errors import IgripError, UnknownNameError
-from igrip.live.eyes import HandEye, Names, hand_eye, object_eye
+from igrip.live.eyes import (
+    HandEye,
+    Names,
+    ObjectEye,
+    Sights,
+    hand_eye,
+    object_eye,
+    read_options,
+)
+from igrip.live.merge import HandsFound
 from igrip.rgbd import Intrinsics, RgbdFrame
 from igrip.vision.hands.base import HandSeen
 from igrip.vision.identity import IdentityConfig
@@ -118,3 +128,52 @@ def test_what_is_wrong_is_said_before_the_camera_runs(ycb):
         object_eye("deep", ycb, {})
     with pytest.raises(IgripError, match="colour"):
         object_eye("depth", ycb, {"models": ["006_mustard_bottle"], "colour": 1})
+
+
+POSE = ObjectPose(position=(0.0, 0.0, 1.0), orientation=(0.0, 0.0, 0.0, 1.0), model="box")
+
+
+class Things:
+    """Finds what it is told to, and notes what covered it."""
+
+    def __init__(self, found):
+        self.found, self.covers = found, []
+
+    def find(self, frame, hands=()):
+        self.covers.append(len(hands))
+        return self.found
+
+    def close(self):
+        pass
+
+
+def test_a_camera_that_misses_an_object_takes_nothing_from_one_that_sees_it():
+    sights = Sights()
+    sees = ObjectEye(Things({"box": POSE}), sights)
+    misses = ObjectEye(Things({"box": None}), sights)
+    assert sees(frame(1.0, "a"), None).poses == {"box": POSE}
+    assert misses(frame(1.1, "b"), None).poses == {}
+    assert misses(frame(2.5, "b"), None).poses == {"box": None}  # nobody saw it since
+    sees(frame(3.0, "a"), None)
+    gone = ObjectEye(Things({"box": None}), sights)
+    assert gone(frame(3.1, "a"), None).poses == {"box": None}  # who saw it last, misses it
+
+
+def test_every_hand_that_is_seen_covers_what_is_behind_it_but_not_for_long():
+    things = Things({})
+    eye = ObjectEye(things)
+    seen = HandsFound(frame(1.0, depth=None), {}, {}, [HAND, HAND])
+    eye(frame(1.1), seen)
+    eye(frame(2.0), seen)
+    eye(frame(2.1), None)
+    assert things.covers == [2, 0, 0]
+    hand = HandEye(Finder([100.0, 100.0]), names())
+    assert len(hand(frame(0.0, depth=None)).seen) == 1  # neither measured nor named
+
+
+def test_options_are_words_or_json():
+    told = read_options(["tags=tags.toml", 'instances={"box": 2}', "seed=3"])
+    assert told == {"tags": "tags.toml", "instances": {"box": 2}, "seed": "3"}
+    for wrong in ("tags", "=x", "instances={"):
+        with pytest.raises(IgripError):
+            read_options([wrong])

@@ -37,6 +37,12 @@ def test_results_are_stamped_on_arrival_and_keep_their_time_of_exposure():
     assert message.objects["box"].t == pytest.approx(0.1)  # hidden since then
 
 
+def test_what_was_measured_before_the_stream_is_not_told_as_new():
+    merge = Merge(100.0)
+    assert not merge.take(hands(99.0), now=100.1).hands
+    assert not merge.take(objects(100.05, own=99.0), now=100.2).objects
+
+
 def test_a_tick_says_that_time_passed():
     merge = Merge(5.0)
     assert merge.silent(5.06) == pytest.approx(0.06)

@@ -15,6 +15,8 @@ log = logging.getLogger(__name__)
 
 WAIT = 0.2  # s; a device is never waited for longer at a time, so that close() is soon done
 PATIENCE = 4.0  # s without a frame, after which a device is taken to be gone; guess
+AHEAD = 0.05  # s by which a frame may seem to come from the future; as HealthConfig's
+STRIDE = 8  # pixels between those by which two pictures are compared
 WARM_UP = 10.0  # s that the first frame may take; guess
 
 
@@ -48,6 +50,7 @@ class PolledCamera(ABC):
     def __iter__(self) -> Iterator[RgbdFrame]:
         last, patience = -1.0, WARM_UP
         asked = time.monotonic()
+        before: tuple[bytes, bytes] | None = None
         while True:
             with self._device:
                 if self._closing.is_set():
@@ -60,17 +63,21 @@ class PolledCamera(ABC):
                     raise CameraError(
                         f"{self.name} has stopped ({error}); is it still plugged in?"
                     ) from error
-            if frame is None:
-                if time.monotonic() - asked > patience:
-                    raise CameraError(
-                        f"{self.name} sent no picture for {patience:.0f} s; is it still plugged in,"
-                        " and does nothing else use it?"
-                    )
-                continue
-            if frame.t > last:  # a clock that was set back must not turn time round
-                last, patience = frame.t, PATIENCE
-                yield frame
-            asked = time.monotonic()
+            now = time.monotonic()
+            # a clock that was set back must not turn time round, one that was set ahead not mute
+            # the camera, and a buffer that is sent again not pass for a new picture
+            if frame is not None and last < frame.t <= now + AHEAD:
+                seen = _trace(frame)
+                if seen != before:
+                    last, patience, before, asked = frame.t, PATIENCE, seen, now
+                    yield frame
+                    asked = time.monotonic()
+                    continue
+            if now - asked > patience:
+                raise CameraError(
+                    f"{self.name} sent no new picture for {patience:.0f} s; is it still plugged in,"
+                    " and does nothing else use it?"
+                )
 
     def close(self) -> None:
         """Let the device go; a waiting iteration ends."""
@@ -82,3 +89,9 @@ class PolledCamera(ABC):
                     self._release()
                 except Exception as error:  # it may be gone already, which is what is wanted
                     log.warning(f"{self.name}: {error}")
+
+
+def _trace(frame: RgbdFrame) -> tuple[bytes, bytes]:
+    """Return some pixels, which noise alone makes differ from one picture to the next."""
+    depth = b"" if frame.depth is None else frame.depth[::STRIDE, ::STRIDE].tobytes()
+    return frame.colour[::STRIDE, ::STRIDE].tobytes(), depth

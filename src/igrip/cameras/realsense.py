@@ -121,9 +121,17 @@ class Converter:
         self._align = rs.align(rs.stream.color)
         self._lens: tuple[tuple[Any, ...], Any] | None = None
         self.note: str | None = None
+        self._depth_number = -1
 
     def convert(self, pair: Any) -> RgbdFrame | None:
-        """Return the frame of a set of frames; None if one of the two is missing."""
+        """Return the frame of a set of frames; None if a part is missing, or was sent before.
+
+        The library fills a set up with the last depth it had, where no new one came.
+        """
+        measured = pair.get_depth_frame()
+        if not measured or measured.get_frame_number() == self._depth_number:
+            return None
+        self._depth_number = measured.get_frame_number()
         t = self._time(pair.get_color_frame()) if pair.get_color_frame() else 0.0
         aligned = self._align.process(pair)
         picture, far = aligned.get_color_frame(), aligned.get_depth_frame()

@@ -7,20 +7,21 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Any
+from urllib.parse import parse_qsl
 
 import typer
 from rich.live import Live
 
-from igrip.cameras.base import open_camera, split_names
+from igrip.cameras.base import Camera, open_camera, split_names
 from igrip.cli.console import errors, output, print_json
 from igrip.cli.stream import Out, warm_up
 from igrip.commitment import EVERY, CommitmentConfig
 from igrip.config import Config
-from igrip.errors import MissingExtraError
+from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.live.chain import Chain
-from igrip.live.eyes import hand_eye, object_eye
+from igrip.live.eyes import hand_eye, object_eye, read_options, warm_up_eyes
 from igrip.live.loop import Loop
 from igrip.live.screen import markdown_of, table_of
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
@@ -108,34 +109,67 @@ def live(
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
             known = load_objects(*(catalog or ["ycb"]))
-            options: dict[str, Any] = dict(text.partition("=")[::2] for text in option or [])
+            options = read_options(option or [])
             options["models"] = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
             for name in options["models"]:
                 known[name]
             warm_up(config, known)
-            count = len(split_names(camera))
+            count = _check(camera, calibration)
             new_hands = None if hands == NOTHING else hand_eye(hands, most_hands, apart, count)
             new_objects = None if objects == NOTHING else object_eye(objects, known, options)
+            warm_up_eyes(new_hands, new_objects, known, options["models"])
             source = open_camera(camera, calibration)
         chain = stack.enter_context(Chain(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
         loop = Loop(Estimator(known, config), chain.begin, recorder)
+        notes = Notes(source, chain)
         _outputs(loop, chain, tell or [], assisted, (host, port, token))
         viewer = None if headless else _page(page_port)
         if viewer is not None:
             stack.callback(viewer.close)
         try:
-            _run(loop, chain, viewer, seconds, quiet=as_json)
+            _run(loop, chain, viewer, seconds, notes, quiet=as_json)
         except KeyboardInterrupt:
             errors.print("stopped")
         finally:
             for sink in loop.outputs:
                 sink.close()
+            notes.tell()
     report = {"stages": chain.report(), **loop.report()}
     if as_json:
         print_json(report)
     else:
         output.print(_words(report), soft_wrap=True)
+
+
+class Notes:
+    """What a camera or a finder has to say, told once each."""
+
+    def __init__(self, camera: Camera, chain: Chain) -> None:
+        self._camera, self._chain = camera, chain
+        self._told: set[str] = set()
+
+    def tell(self) -> None:
+        """Print what is new."""
+        for note in (getattr(self._camera, "note", None), *self._chain.problems()):
+            if note and note not in self._told:
+                self._told.add(note)
+                errors.print(note, style="yellow", soft_wrap=True)
+
+
+def _check(camera: str, calibration: Path | None) -> int:
+    """Return how many cameras are named; refuse what would mix places or times."""
+    names = split_names(camera)
+    if len(names) > 1 and calibration is None:
+        raise IgripError(
+            "several cameras need --calibration: without it each one's world is its own, and what "
+            "one sees would be taken for where another looks (igrip calibrate)"
+        )
+    for name in names:
+        speed = dict(parse_qsl(name.partition("?")[2])).get("speed", "1")
+        if float(speed) != 1.0:
+            raise IgripError(f"{name}: live runs at the pace of life; leave speed={speed} out")
+    return len(names)
 
 
 def _outputs(
@@ -172,15 +206,17 @@ def _page(port: int) -> Viewer | None:
 
 
 def _run(
-    loop: Loop, chain: Chain, viewer: Viewer | None, seconds: float | None, quiet: bool
-) -> None:
+    loop: Loop, chain: Chain, viewer: Viewer | None, seconds: float | None, notes: Notes,
+    quiet: bool,
+) -> None:  # fmt: skip
     screen = Live(console=errors, refresh_per_second=4, transient=True)
     panel = PicturePanel(viewer.server) if viewer is not None else None
     on_screen = errors.is_terminal and not quiet
     if on_screen:
         screen.start()
     try:
-        loop.run(chain, _looker(loop, chain, viewer, panel, screen if on_screen else None, seconds))
+        shown = screen if on_screen else None
+        loop.run(chain, _looker(loop, chain, viewer, panel, shown, seconds, notes))
     finally:
         if on_screen:
             screen.stop()
@@ -190,7 +226,7 @@ def _run(
 
 def _looker(
     loop: Loop, chain: Chain, viewer: Viewer | None, panel: PicturePanel | None,
-    screen: Live | None, seconds: float | None,
+    screen: Live | None, seconds: float | None, notes: Notes,
 ) -> Callable[[list[Intention]], None]:  # fmt: skip
     """Return what is done after each update: nothing of it waits."""
     began = time.monotonic()
@@ -211,6 +247,7 @@ def _looker(
             })  # fmt: skip
         if now >= due:
             due = now + SCREEN_EVERY
+            notes.tell()
             report = chain.report()
             if screen is not None:
                 screen.update(table_of(estimator.t, report, list(estimator.latest.values())))

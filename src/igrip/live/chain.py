@@ -65,6 +65,7 @@ class Chain:
         self._stages: dict[str, list[Stage[Any]]] = {}
         self._results: deque[tuple[tuple[str, str], HandsFound | ObjectsFound]] = deque()
         self._pictures: dict[str, HandsFound] = {}
+        self._finders: list[object] = []
         self._change = threading.Condition()
         self._error: Exception | None = None
         self._over = False
@@ -120,6 +121,12 @@ class Chain:
         """Return the newest frame whose hands were looked for, of each camera."""
         with self._change:
             return dict(self._pictures)
+
+    def problems(self) -> list[str]:
+        """Return what finders say is wrong with them."""
+        with self._change:
+            told = [getattr(finder, "problem", None) for finder in self._finders]
+        return [problem for problem in told if problem]
 
     def report(self) -> dict[str, dict[str, Any]]:
         """Return for the camera and each stage what was done, how fast, and what was dropped."""
@@ -179,6 +186,8 @@ class Chain:
         def give_up(error: Exception) -> None:
             self._fail(IgripError(f"{kind} of {camera}: {error}"))
 
+        with self._change:
+            self._finders.append(finder)
         end = getattr(finder, "close", lambda: None)
         return Stage(f"{camera}: {kind}", work, hand_on, give_up, self._clock, end)
 

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import json
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from igrip.entities import ObjectPose
+from igrip.errors import IgripError
 from igrip.live.merge import HandsFound, ObjectsFound
 from igrip.objects.catalog import Catalog
 from igrip.rgbd import RgbdFrame
+from igrip.simulation.rendered import strewn_scene
 from igrip.vision.hands.base import HANDS, HandFinder
 from igrip.vision.identity import HandIdentities, IdentityConfig, Sighting
 from igrip.vision.palms import measure_palm
 from igrip.vision.poses.base import POSES, PoseFinder
 
+RECENT = 0.3  # s for which a hand that was seen covers what is behind it; guess
+ELSEWHERE = 1.0  # s for which a sight by another camera outweighs a miss; guess
 ANOTHER_RUN = 0.5  # s by which time goes back where a recording begins anew
 
 
@@ -74,11 +81,36 @@ class HandEye:
             hands[name] = None if k is None else measured[k][1]
             if k is not None:
                 landmarks[name] = measured[k][0].landmarks
-        return HandsFound(frame, hands, landmarks)
+        return HandsFound(frame, hands, landmarks, [hand.landmarks for hand in seen])
 
     def close(self) -> None:
         """Let go of the finder."""
         self._finder.close()
+
+
+class Sights:
+    """Which camera saw an object last: that another one misses it says little."""
+
+    def __init__(self) -> None:
+        self._seen: dict[str, tuple[str, float]] = {}
+        self._lock = threading.Lock()
+
+    def take(
+        self, frame: RgbdFrame, poses: Mapping[str, ObjectPose | None]
+    ) -> dict[str, ObjectPose | None]:
+        """Return what one camera found, without the misses of what another saw lately."""
+        told: dict[str, ObjectPose | None] = {}
+        with self._lock:
+            for id, pose in poses.items():
+                if pose is not None:
+                    told[id] = pose
+                    if pose.t is None or pose.t >= frame.t:
+                        self._seen[id] = frame.camera, frame.t
+                    continue
+                camera, t = self._seen.get(id, (frame.camera, frame.t))
+                if camera == frame.camera or abs(frame.t - t) > ELSEWHERE:
+                    told[id] = None
+        return told
 
 
 class ObjectEye:
@@ -88,15 +120,25 @@ class ObjectEye:
     ----------
     finder : PoseFinder
         New, for one camera.
+    sights : Sights
+        Shared by the cameras that look at the same objects.
     """
 
-    def __init__(self, finder: PoseFinder) -> None:
-        self._finder = finder
+    def __init__(self, finder: PoseFinder, sights: Sights | None = None) -> None:
+        self._finder, self._sights = finder, sights or Sights()
 
     def __call__(self, frame: RgbdFrame, hands: HandsFound | None) -> ObjectsFound:
-        """Return the objects of a frame."""
-        covers = list(hands.landmarks.values()) if hands is not None else []
-        return ObjectsFound(frame, self._finder.find(frame, covers))
+        """Return the objects of a frame; hands of long ago cover nothing."""
+        recent = hands is not None and frame.t - hands.frame.t <= RECENT
+        covers = hands.seen if hands is not None and recent else ()
+        poses = self._sights.take(frame, self._finder.find(frame, covers))
+        return ObjectsFound(frame, poses)
+
+    @property
+    def problem(self) -> str | None:
+        """What the finder says is wrong with it."""
+        problem: str | None = getattr(self._finder, "problem", None)
+        return problem
 
     def close(self) -> None:
         """Let go of the finder."""
@@ -143,9 +185,49 @@ def object_eye(name: str, catalog: Catalog, options: Mapping[str, Any]) -> Calla
         If its options are wrong.
     """
     new = POSES.get(name)
+    sights = Sights()
     first = [new(catalog, options)]  # what is wrong with its options is told now
 
     def make() -> ObjectEye:
-        return ObjectEye(first.pop() if first else new(catalog, options))
+        return ObjectEye(first.pop() if first else new(catalog, options), sights)
 
     return make
+
+
+def read_options(texts: Sequence[str]) -> dict[str, Any]:
+    """Return options of a pose finder from texts ``NAME=VALUE``; a value may be JSON.
+
+    Raises
+    ------
+    IgripError
+        If a text is not of that form.
+    """
+    options: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name:
+            raise IgripError(f"option {text!r}: write NAME=VALUE")
+        try:
+            options[name] = json.loads(value) if value[:1] in "{[" else value
+        except ValueError as error:
+            raise IgripError(f"option {name}: is no JSON: {error}") from None
+    return options
+
+
+def warm_up_eyes(
+    new_hands: Callable[[], HandEye] | None, new_objects: Callable[[], ObjectEye] | None,
+    catalog: Catalog, models: Sequence[str],
+) -> None:  # fmt: skip
+    """Compile, and fetch what is missing, before a camera runs: look at a rendered table once."""
+    random = np.random.default_rng(0)
+    scene = strewn_scene(catalog, list(models)[:4], random)
+    frame = replace(scene.frame(0.0, random), camera="warm-up")
+    found = None
+    if new_hands is not None:
+        hand = new_hands()
+        found = hand(frame)
+        hand.close()
+    if new_objects is not None:
+        thing = new_objects()
+        thing(frame, found)
+        thing.close()

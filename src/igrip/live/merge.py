@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import msgspec
@@ -26,12 +26,15 @@ class HandsFound(NamedTuple):
     hands : mapping of str to Hand or None
         By id; None: looked for, and not measured. World frame; ``t`` on the clock of the frames.
     landmarks : mapping of str to (21, 2)
-        Where they are in the picture, measured or not [pixels].
+        Where those that were measured are in the picture [pixels].
+    seen : sequence of (21, 2)
+        All that were seen, measured and named or not: they cover what is behind them.
     """
 
     frame: RgbdFrame
     hands: Mapping[str, Hand | None]
     landmarks: Mapping[str, NDArray[np.float64]]
+    seen: Sequence[NDArray[np.float64]] = ()
 
 
 class ObjectsFound(NamedTuple):
@@ -58,10 +61,8 @@ class Merge:
         """Return what was found as the message that arrives at ``now`` [s]."""
         t = self._stamp(now)
         if isinstance(found, HandsFound):
-            hands = {id: self._moved(hand, found.frame.t) for id, hand in found.hands.items()}
-            return Observation(t=t, hands=hands)
-        poses = {id: self._moved(pose, found.frame.t) for id, pose in found.poses.items()}
-        return Observation(t=t, objects=poses)
+            return Observation(t=t, hands=self._moved(found.hands, found.frame.t))
+        return Observation(t=t, objects=self._moved(found.poses, found.frame.t))
 
     def tick(self, now: float) -> Observation:
         """Return the message that says that time has passed."""
@@ -75,8 +76,13 @@ class Merge:
         self._newest = max(self._newest, now - self._begin)
         return self._newest
 
-    def _moved(self, entity: Hand | ObjectPose | None, measured: float) -> Any:
-        if entity is None:
-            return None
-        own = measured if entity.t is None else entity.t
-        return msgspec.structs.replace(entity, t=max(0.0, own - self._begin))
+    def _moved(self, entities: Mapping[str, Any], measured: float) -> dict[str, Any]:
+        """Return entities with their times in the stream; without those measured before it."""
+        moved: dict[str, Any] = {}
+        for id, entity in entities.items():
+            own = measured if entity is None or entity.t is None else entity.t
+            if own >= self._begin:
+                moved[id] = None if entity is None else msgspec.structs.replace(
+                    entity, t=own - self._begin
+                )  # fmt: skip
+        return moved

@@ -45,6 +45,9 @@ class PalmConfig(Settings):
         0.03, "1", "standard deviation of the palm centre in the picture, in lengths of the palm",
         "docs/hands.md", ge=0,
     )  # fmt: skip
+    least: float = quantity(
+        0.001, "m", "no depth is surer: cameras count in steps of about so much", "guess", gt=0
+    )
     landmarks: bool = False
 
 
@@ -90,7 +93,7 @@ def measure_palm(hand: HandSeen, frame: RgbdFrame, config: PalmConfig = DEFAULT)
         return None  # what the triangle covers is no palm
     centre = points.mean(axis=0)
     ray = centre / centre[2]
-    along = spread / np.sqrt(max(kept / config.grain**2, 1.0))
+    along = max(spread / np.sqrt(max(kept / config.grain**2, 1.0)), config.least)
     across = config.jitter * unit * centre[2] / frame.intrinsics.fx
     covariance = along**2 * np.outer(ray, ray) + across**2 * np.diag([1.0, 1.0, 0.0])
     rotation = frame.world_from_camera[:3, :3]

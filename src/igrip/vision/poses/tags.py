@@ -73,7 +73,7 @@ class TagsOptions(Settings):
     models: tuple[str, ...] | None = None
     family: str = "tag36h11"
     up: Vector = (0.0, 0.0, 1.0)
-    decimate: float = quantity(2.0, "1", "tags are looked for in a smaller picture", "MEASURED")
+    decimate: float = quantity(2.0, "1", "tags are looked for in a smaller picture", "docs/tags.md")
     lasting: float = quantity(
         0.3, "s", "a pose this old still tells two poses apart", "guess", ge=0
     )
@@ -168,7 +168,8 @@ class TagPoses:
         before = up = None
         if known is not None and frame.t - known.t <= self._options.lasting:
             before = camera_from_world @ known.world_from_object
-        if self._upright[name]:
+        # a camera that was never placed knows no up
+        if self._upright[name] and not np.array_equal(frame.world_from_camera, np.eye(4)):
             up = np.array([0.0, 0.0, 1.0]), camera_from_world[:3, :3] @ self._options.up
         return choose(tag_poses(tags, self._places[name], frame.intrinsics), before, up)
 
