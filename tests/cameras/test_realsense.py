@@ -92,6 +92,13 @@ def test_frames(rs):
     assert np.diff([f.t for f in seen]).min() > 0.02
 
 
+def test_depth_that_was_sent_before_is_no_new_depth(rs):
+    converter = realsense.Converter(rs, "x", 0.001)
+    again = [(converter.convert(pair), converter.convert(pair)) for pair in frames(rs, 4)]
+    assert sum(first is not None for first, _ in again) >= 2
+    assert all(second is None for _, second in again)
+
+
 def test_the_time_of_exposure_is_on_the_monotonic_clock(rs):
     converter = realsense.Converter(rs, "x", 0.001)
     for pair in frames(rs, 4, age=0.5):
