@@ -237,7 +237,7 @@ def last_words(client):
     """Return with which code a client was closed, once it has read what was left."""
     try:
         while True:
-            client.recv(timeout=5)
+            client.recv(timeout=20)
     except ConnectionClosed as closed:
         return closed.rcvd and closed.rcvd.code
 
