@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from igrip.evaluation.calibration import interval_over_groups
+from igrip.lab.evaluation.calibration import interval_over_groups
 
 HERE = Path(__file__).parent
 OUT = HERE / "estimators-tables.md"

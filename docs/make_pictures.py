@@ -9,13 +9,13 @@ import cv2
 from playwright.sync_api import Page, sync_playwright
 
 from igrip import Config, Estimator, load_objects
-from igrip.cameras.rendered import RenderedCamera
-from igrip.live.eyes import hand_eye, object_eye
-from igrip.live.merge import HandsFound
-from igrip.live.offline import observe
+from igrip.lab.simulation.demo import DemoPerson
 from igrip.objects.catalog import PAPER_OBJECTS
+from igrip.perception.cameras.rendered import RenderedCamera
+from igrip.perception.pipeline.detectors import hand_eye, object_eye
+from igrip.perception.pipeline.merge import HandsFound
+from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame
-from igrip.simulation.demo import DemoPerson
 from igrip.viewer.grip_page import GripPage
 from igrip.viewer.overlay import draw_overlay
 from igrip.viewer.server import Viewer

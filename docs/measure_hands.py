@@ -18,11 +18,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.lab.rendering.sprites import draw_hand, film_sprites, place
+from igrip.perception.hand_detection.image_tiles import PALM, covered, palm_length
+from igrip.perception.hands import HandDetection
+from igrip.perception.hands.mediapipe import MediaPipeConfig, MediaPipeHands
 from igrip.rgbd import Intrinsics, RgbdFrame
-from igrip.simulation.sprites import draw_hand, film_sprites, place
-from igrip.vision.hands.base import HandSeen
-from igrip.vision.hands.mediapipe import MediaPipeConfig, MediaPipeHands
-from igrip.vision.hands.views import PALM, covered, palm_length
 
 Picture = NDArray[np.uint8]
 RATE = 30.0
@@ -50,7 +50,7 @@ def still(path: Path) -> Picture:
 
 def run(
     pictures: Iterable[Picture], config: MediaPipeConfig
-) -> tuple[list[list[HandSeen]], NDArray[np.float64]]:
+) -> tuple[list[list[HandDetection]], NDArray[np.float64]]:
     """Return what is found in each picture, and how long each took [ms]."""
     finder = MediaPipeHands(config)
     found, took = [], []
@@ -64,7 +64,7 @@ def run(
     return found, np.array(took)
 
 
-def tell(name: str, found: list[list[HandSeen]], took: NDArray[np.float64]) -> None:
+def tell(name: str, found: list[list[HandDetection]], took: NDArray[np.float64]) -> None:
     """Print how many frames had how many hands, and the times."""
     counts = np.bincount([len(hands) for hands in found])
     p50, p90, p99 = np.percentile(took, [50, 90, 99])
@@ -111,7 +111,7 @@ def of_the_film(path: Path) -> None:
     print(f"  hidden for 0.5 s, found anew after {back} frames; {ghosts} found where none was")
 
 
-def there(hands: list[HandSeen], palm: NDArray[np.float64], within: float) -> bool:
+def there(hands: list[HandDetection], palm: NDArray[np.float64], within: float) -> bool:
     """Whether a hand was found at a place."""
     centres = [hand.landmarks[list(PALM)].mean(axis=0) for hand in hands]
     return any(np.linalg.norm(centre - palm) < within for centre in centres)

@@ -20,16 +20,16 @@ from scipy.spatial.transform import Rotation
 
 import igrip
 from igrip.entities import Hand, ObjectPose
-from igrip.live.eyes import hand_eye, object_eye
-from igrip.live.merge import HandsFound, ObjectsFound
-from igrip.live.offline import observe
+from igrip.lab.rendering.filmed_reach import MIDDLE, FilmedReach, film_reach
+from igrip.lab.rendering.layout import PlacedMesh
+from igrip.lab.rendering.sprites import Sprite, film_sprites, place
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.observation import Observation
+from igrip.perception.hands.mediapipe import MediaPipeHands
+from igrip.perception.pipeline.detectors import hand_eye, object_eye
+from igrip.perception.pipeline.merge import HandsFound, ObjectsFound
+from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame
-from igrip.simulation.filmed import MIDDLE, FilmedReach, film_reach
-from igrip.simulation.render.layout import PlacedMesh
-from igrip.simulation.sprites import Sprite, film_sprites, place
-from igrip.vision.hands.mediapipe import MediaPipeHands
 
 Array = NDArray[np.float64]
 NOISE = 0.004  # m, each axis, of the true positions that are told instead

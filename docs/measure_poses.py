@@ -19,11 +19,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import igrip
+from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh
+from igrip.lab.rendering.scene import RenderedScene, strewn_scene
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.objects.model import ObjectModel
-from igrip.simulation.render.layout import LayoutConfig, PlacedMesh
-from igrip.simulation.rendered import RenderedScene, strewn_scene
-from igrip.vision.poses.depth import DepthPoses
+from igrip.perception.poses.depth import DepthPoses
 
 WITHIN = 0.020  # m
 VISIBLE = 0.25

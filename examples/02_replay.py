@@ -3,7 +3,7 @@
 import sys
 
 import igrip
-from igrip.words import describe
+from igrip.describe import describe
 
 
 def main(path: str) -> None:

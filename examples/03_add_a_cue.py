@@ -4,7 +4,7 @@ import numpy as np
 
 import igrip
 from igrip.cues import cue
-from igrip.targets import TARGETS, Belief, best_of
+from igrip.targets import TARGETS, TargetEstimate, best_of
 
 
 @cue("heading", order=1)
@@ -17,7 +17,7 @@ def heading(motion, geometry, config):
 @TARGETS.register("my_heading")
 class Heading:
     def update(self, motion, geometry, cues):
-        return Belief(best_of(cues["heading"]), cues["heading"])
+        return TargetEstimate(best_of(cues["heading"]), cues["heading"])
 
 
 estimator = igrip.Estimator(

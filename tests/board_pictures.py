@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from igrip.cameras.board import CELLS, MARGIN, pattern
+from igrip.perception.calibration.board import CELLS, MARGIN, pattern
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 FINE = 3  # each pixel is the mean of so many squared

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from igrip import Observation
-from igrip.recording.dataset import Dataset, DatasetWriter, Trial
-from igrip.simulation.minimum_jerk import reach
+from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.lab.simulation.minimum_jerk import reach
 
 MESH = "cylinder:0.03x0.12"
 PLACES = {"near": np.array([0.0, 0.25, 0.06]), "far": np.array([0.0, 0.5, 0.06])}

@@ -13,7 +13,7 @@ CAMERA = Intrinsics(640, 480, 450.0, 450.0, 320.0, 240.0)
 
 def find_hands_or_skip(**config):
     """Return a hand finder; the test is skipped where there is neither cache nor network."""
-    from igrip.vision.hands.mediapipe import MediaPipeConfig, MediaPipeHands
+    from igrip.perception.hands.mediapipe import MediaPipeConfig, MediaPipeHands
 
     try:
         return MediaPipeHands(MediaPipeConfig(**config))

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from igrip.entities import Hand, ObjectPose
-from igrip.live.merge import HandsFound, ObjectsFound
+from igrip.perception.pipeline.merge import HandsFound, ObjectsFound
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from itertools import islice
 
 from igrip import Estimator
+from igrip.lab.simulation.demo import DemoPerson
 from igrip.objects.catalog import Catalog
-from igrip.simulation.demo import DemoPerson
 from igrip.viewer.snapshot import Snapshot, rays_of, take_snapshot
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-from igrip.geometry import nearest as nearest_points
-from igrip.geometry import ray
-from igrip.geometry.bvh import STACK
+from igrip.mesh import nearest as nearest_points
+from igrip.mesh import ray
+from igrip.mesh.bvh import STACK
 
 
 def cast(bvh, origins, directions):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import igrip
-from igrip.simulation.minimum_jerk import reach
+from igrip.lab.simulation.minimum_jerk import reach
 from support import CAN, UPRIGHT
 
 START = np.array([0.0, 0.0, 0.05])

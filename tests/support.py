@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import igrip
 from igrip.errors import UnknownModelError
-from igrip.geometry.scene import Placed
+from igrip.geometry.scene import PlacedObject
 from igrip.objects.model import build_model
 from oracle.meshes import Mesh
 
@@ -69,7 +69,7 @@ def placed(model, id="object", rotation=None, translation=(0.0, 0.0, 0.0), veloc
     turn = np.eye(3) if rotation is None else np.asarray(rotation)
     translation = np.asarray(translation, dtype=float)
     centre = turn @ model.centre + translation
-    return Placed(id, model, turn, translation, centre, np.asarray(velocity, dtype=float))
+    return PlacedObject(id, model, turn, translation, centre, np.asarray(velocity, dtype=float))
 
 
 # messages ----------------------------------------------------------------------------------------

@@ -151,7 +151,7 @@ def test_a_long_pause_while_holding_ends_the_lease_for_good():
 def test_the_device_says_that_it_has_opened():
     committer = Committer(PLAIN)
     t = holding(committer)
-    committer.opened()
+    committer.notify_released()
     assert committer.state == "open"
     assert committer.update(evidence(t + 0.03, moving=False, gaps={"cup": 0.04})) is None
 

@@ -157,7 +157,7 @@ class Leases(RuleBasedStateMachine):
         self.rested[hand] = 0.0
         self.send(objects=True, times=3)
 
-    @rule(hand=st.sampled_from(HANDS), word=st.sampled_from(["confirm", "opened"]))
+    @rule(hand=st.sampled_from(HANDS), word=st.sampled_from(["confirm", "notify_released"]))
     def word(self, hand, word):
         if hand in self.assisted:
             getattr(self.estimator, word)(hand)

@@ -73,8 +73,8 @@ def test_the_numbers_of_the_specification():
     assert config.motion.window == 20
     assert (config.motion.future_points, config.motion.horizon) == (10, 0.3)
     assert config.grip.pinch_from == 0.85
-    assert (config.health.hand_limit, config.health.object_limit) == (0.3, 2.0)
-    assert config.health.restart_after == 0.3
+    assert (config.gating.hand_limit, config.gating.object_limit) == (0.3, 2.0)
+    assert config.gating.restart_after == 0.3
     assert config.cues.distance == "vertex"
     assert 1.0 <= config.motion.filter.min_cutoff <= 1.5
     assert 2.0 <= config.motion.filter.beta <= 8.0

@@ -86,7 +86,7 @@ def test_the_same_model_again_is_no_rebinding(shapes):
 
 
 def test_an_id_that_was_forgotten_may_be_bound_anew(shapes):
-    estimator = Estimator(shapes, Config(world={"most_objects": 1}))
+    estimator = Estimator(shapes, Config(tracking={"max_objects": 1}))
     estimator.update(Observation(**message(1.0, None, {"x": pose((0, 0, 0), model=BOX)})))
     estimator.update(Observation(**message(9.0, None, {"y": pose((0, 0, 0), model=BOX)})))
     estimator.update(Observation(**message(19.0, None, {"x": pose((0, 0, 0), model=CAN)})))

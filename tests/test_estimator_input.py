@@ -278,7 +278,7 @@ def test_a_bad_hand_leaves_the_good_one_alone(shapes, bad):
 
 
 def test_more_hands_than_are_followed(shapes):
-    config = Config(world={"most_hands": 2})
+    config = Config(tracking={"max_hands": 2})
     three = stream(1.0, 10, hands=("a", "b", "c"))
     estimator = Estimator(shapes, config)
     told = run(three, shapes, estimator=estimator)
@@ -290,7 +290,7 @@ def test_more_hands_than_are_followed(shapes):
 
 
 def test_a_hand_that_was_forgotten_begins_anew(shapes):
-    config = Config(world={"most_hands": 1})
+    config = Config(tracking={"max_hands": 1})
     estimator = Estimator(shapes, config)
     run(stream(1.0, 10, hands=("a",)), shapes, estimator=estimator)
     run(stream(3.0, 10, hands=("b",)), shapes, estimator=estimator)
@@ -474,7 +474,7 @@ def test_jitter_of_a_resting_object_is_no_velocity(shapes):
 
 
 def test_more_objects_than_are_followed(shapes):
-    config = Config(world={"most_objects": 3})
+    config = Config(tracking={"max_objects": 3})
     estimator = Estimator(shapes, config)
     five = {f"o{k}": pose((0.1 * k, 0.4, 0.0), model=CAN) for k in range(5)}
     told = run([{**plain, "objects": five} for plain in stream(1.0, 5)], shapes,
@@ -484,7 +484,7 @@ def test_more_objects_than_are_followed(shapes):
 
 
 def test_a_lost_object_makes_room(shapes):
-    estimator = Estimator(shapes, Config(world={"most_objects": 1}))
+    estimator = Estimator(shapes, Config(tracking={"max_objects": 1}))
     feed(estimator, message(1.0, None, BODY))
     feed(estimator, message(2.0, None, {"can": pose((0, 0, 0), model=CAN)}))
     assert set(estimator.inputs()["objects"]) == {"box"}
@@ -498,7 +498,7 @@ def two(static=False):
 
 def test_a_static_object_is_not_forgotten_for_a_new_one(shapes):
     """``static`` exempts from the age limit, so it is not lost."""
-    estimator = Estimator(shapes, Config(world={"most_objects": 2}))
+    estimator = Estimator(shapes, Config(tracking={"max_objects": 2}))
     feed(estimator, message(1.0, None, two(static=True)))
     feed(estimator, message(30.0, None, {"c": pose((0.2, 0, 0), model=BOX)}))
     assert [body.id for body in estimator.objects] == ["a", "b"]
@@ -506,7 +506,7 @@ def test_a_static_object_is_not_forgotten_for_a_new_one(shapes):
 
 def test_making_room_never_fails(shapes):
     """The old one that is forgotten comes back in the same message, without its model."""
-    estimator = Estimator(shapes, Config(world={"most_objects": 2}))
+    estimator = Estimator(shapes, Config(tracking={"max_objects": 2}))
     feed(estimator, message(0.0, None, two()))
     objects = {"c": pose((0.2, 0, 0), model=BOX), "a": pose((0.1, 0, 0))}
     estimator.update(Observation(t=10.0, objects=objects))
@@ -517,7 +517,7 @@ def test_making_room_never_fails(shapes):
 @pytest.mark.parametrize("most", [1, 2])
 def test_an_object_that_is_seen_again_is_not_forgotten_for_a_new_one(shapes, order, most):
     """Whatever their order in the message."""
-    estimator = Estimator(shapes, Config(world={"most_objects": most}))
+    estimator = Estimator(shapes, Config(tracking={"max_objects": most}))
     feed(estimator, message(0.0, None, {"a": pose((0.1, 0.0, 0.0), model=BOX)}))
     objects = {id: pose((0.2, 0, 0), model=BOX) for id in order}
     feed(estimator, message(10.0, None, objects))
@@ -579,7 +579,7 @@ def test_intentions_of_one_message_are_sorted_by_hand(shapes):
 
 
 def test_which_hands_have_room_does_not_hang_on_their_order(shapes):
-    config = Config(world={"most_hands": 2})
+    config = Config(tracking={"max_hands": 2})
     for hands in (("a", "b", "c"), ("c", "b", "a")):
         told = run(stream(1.0, 3, hands=hands), shapes, config)
         assert {intention.hand for intention in told} == {"a", "b"}

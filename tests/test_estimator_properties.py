@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import igrip
-from igrip.recording.jsonl import JsonlReader, JsonlWriter
+from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
 from support import close, lines, random_turn, run, scene_of_shapes
 
 SEEDS = st.integers(0, 10_000)

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import igrip
-from igrip.recording.jsonl import JsonlWriter
-from igrip.simulation.demo import DemoPerson
+from igrip.io.recordings.jsonl import JsonlWriter
+from igrip.lab.simulation.demo import DemoPerson
 
 ROOT = Path(__file__).parents[1]
 

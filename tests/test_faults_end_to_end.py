@@ -11,8 +11,8 @@ from collections import Counter
 import pytest
 
 import igrip
-from igrip.simulation.demo import DemoPerson
-from igrip.simulation.faults import KINDS, Fault, every_kind, inject
+from igrip.lab.simulation.demo import DemoPerson
+from igrip.lab.simulation.faults import KINDS, Fault, every_kind, inject
 from observer import BELIEVED, Observer
 
 
@@ -115,7 +115,7 @@ def test_an_unassisted_hand_never_gets_a_lease(ycb):
 def test_the_observer_sees_what_health_is_for(ycb, blind):
     """Without one of its rules, leases break promises, and the observer says so."""
     faults = [Fault("jump", rate=0.4, lasts=0.25), Fault("freeze", rate=0.1, lasts=1.2)]
-    config = igrip.Config(targets="paper", health=blind, commitment={"reliability": 0.0})
+    config = igrip.Config(targets="paper", gating=blind, commitment={"reliability": 0.0})
     estimator, observer = igrip.Estimator(ycb, config), Observer(jumps=True)
     for message in inject(person(ycb, 300.0, 3), faults, seed=3):
         plain = json.loads(message.to_json())

@@ -79,7 +79,7 @@ def test_broken_messages(shapes, kind, seed):
 def test_more_things_than_there_is_room_for(shapes, seed):
     """Ids come and go, with and without their model, over pauses that let them be forgotten."""
     rng, t, rejected = random.Random(seed), 0.0, 0
-    config = igrip.Config(world={"most_objects": 1 + seed % 3, "most_hands": 1 + seed % 2})
+    config = igrip.Config(tracking={"max_objects": 1 + seed % 3, "max_hands": 1 + seed % 2})
     estimator = igrip.Estimator(shapes, config)
     for _ in range(1500):
         t += rng.choice((0.0, 0.03, 0.1, 0.4, 2.5))
@@ -99,8 +99,8 @@ def test_more_things_than_there_is_room_for(shapes, seed):
             rejected += 1
             continue
         report = estimator.inputs()
-        assert len(report["hands"]) <= config.world.most_hands
-        assert len(report["objects"]) <= config.world.most_objects
+        assert len(report["hands"]) <= config.tracking.max_hands
+        assert len(report["objects"]) <= config.tracking.max_objects
         usable = {id for id, entry in report["objects"].items() if entry["usable"]}
         assert {body.id for body in estimator.objects} == usable
         for intention in told:

@@ -14,9 +14,9 @@ import igrip
 from igrip.cues import CUES, Cue, CueConfig, cue
 from igrip.errors import UnknownNameError
 from igrip.grips import GRIPS, Grip
+from igrip.io.sources import SOURCES
 from igrip.registry import Registry
-from igrip.sources.base import SOURCES
-from igrip.targets import TARGETS, Belief, best_of
+from igrip.targets import TARGETS, TargetEstimate, best_of
 from support import BOX, hand, message, pose, run, scene_of_shapes
 
 METRICS = ("impacts", "distance_derivative", "distance", "future_distance")
@@ -72,7 +72,7 @@ def test_a_third_party_cue(registered, shapes):
     class Nearest:
         def update(self, motion, geometry, cues):
             scores = CUES.get("nearness").score(motion, geometry, CueConfig())
-            return Belief(best_of(scores), scores)
+            return TargetEstimate(best_of(scores), scores)
 
     registered(TARGETS, "nearest", Nearest)
     told = run(scene_of_shapes(np.random.default_rng(1)), shapes, igrip.Config(targets="nearest"))
@@ -106,7 +106,7 @@ def test_an_estimator_with_probabilities(registered, shapes):
         def update(self, motion, geometry, cues):
             count = len(geometry.objects)
             even = np.full(count + 1, 1.0 / (count + 1))
-            return Belief(0, even[:-1], even)
+            return TargetEstimate(0, even[:-1], even)
 
     registered(TARGETS, "even", Even)
     told = run(scene_of_shapes(np.random.default_rng(1)), shapes, igrip.Config(targets="even"))
@@ -125,7 +125,7 @@ class Counting:
 
     def update(self, motion, geometry, cues):
         self.count += 1
-        return Belief(0, np.full(len(geometry.objects), float(self.count)))
+        return TargetEstimate(0, np.full(len(geometry.objects), float(self.count)))
 
 
 def count_of(told):
@@ -157,7 +157,7 @@ def test_a_stream_that_begins_anew_gets_a_new_instance(registered, shapes):
 
 def test_a_hand_that_was_forgotten_gets_a_new_instance(registered, shapes):
     registered(TARGETS, "counting", Counting)
-    config = igrip.Config(targets="counting", world={"most_hands": 1})
+    config = igrip.Config(targets="counting", tracking={"max_hands": 1})
     messages = still(1.0, 6, ["a"]) + still(3.0, 6, ["b"]) + still(5.0, 6, ["a"])
     told = run(messages, shapes, config)
     assert count_of(i for i in told if i.hand == "a") == [1, 2, 3, 4, 1, 2, 3, 4]

@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.grips.contact import WEIGHTS as CONTACT
-from igrip.importers.base import Reach
+from igrip.io.importers import RecordedReach
 from igrip.targets.bayes import WEIGHTS
-from igrip.targets.library import LIBRARY
-from igrip.targets.network import read_scorer
+from igrip.targets.learned.network import read_scorer
+from igrip.targets.learned.reach_library import LIBRARY
 from training.grip import approaches_of, fit_grip, write_grip
 from training.learn import fit_scorer, inputs_of, probabilities, write_scorer
 from training.library import Shown, demonstrated, fit_library, write_library
@@ -63,7 +63,7 @@ def part_of(recordings: Sequence[Recording]) -> Part:
     return Part(joined(moments), shown, approaches)
 
 
-def real_part(jobs: Sequence[tuple[Reach, int]]) -> Part:
+def real_part(jobs: Sequence[tuple[RecordedReach, int]]) -> Part:
     """Return what is learned from some real reaches."""
     return part_of([record(*job) for job in jobs])
 

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.importers.base import ImportOptions, Reach, observe
-from igrip.targets.features import LOCAL
-from igrip.targets.network import BOUND
+from igrip.io.importers import ImportOptions, RecordedReach, observe
+from igrip.targets.learned.features import LOCAL
+from igrip.targets.learned.network import BOUND
 from training.__main__ import PERSONS, SEED, gather
 from training.learn import Network, fit, inputs_of, standardised
 from training.logit import Terms, fit_logit, linear, logit_scores, quadratic
@@ -33,7 +33,7 @@ NOISE = 0.004  # m
 MORE = 40  # simulated people
 
 
-def told(job: tuple[Reach, int]) -> tuple[str, Moments]:
+def told(job: tuple[RecordedReach, int]) -> tuple[str, Moments]:
     """Return a real reach as the evaluation tells it."""
     reach, seed = job
     options = ImportOptions(rate=30.0, noise=NOISE, seed=seed)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.targets.network import ABSURD, BOUND, FORMAT, INPUTS, Scorer, arrange
+from igrip.targets.learned.network import ABSURD, BOUND, FORMAT, INPUTS, Scorer, arrange
 from training.moments import Moments
 
 Array = NDArray[np.float64]
@@ -184,7 +184,7 @@ def _gradients(
 
 
 def scores_of(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
-    """Return the log-odds of each row against none, as :func:`igrip.targets.network.evaluate`."""
+    """Return the log-odds of each row against none, as ``network.evaluate``."""
     z = np.clip((inputs - scorer.mean) / scorer.scale, -BOUND, BOUND)
     outputs = np.tanh(z @ scorer.hidden + scorer.bias) @ scorer.out_weights + scorer.out_bias
     which, whether = outputs.T

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.mixture import GaussianMixture
 
-from igrip.targets.library import FORMAT, Follower
+from igrip.targets.learned.reach_library import FORMAT, Follower
 from training.moments import Frames, Recording
 
 Array = NDArray[np.float64]

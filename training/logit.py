@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.targets.features import LOCAL
-from igrip.targets.network import BOUND
+from igrip.targets.learned.features import LOCAL
+from igrip.targets.learned.network import BOUND
 from training.moments import Moments
 
 Array = NDArray[np.float64]

@@ -15,8 +15,8 @@ from igrip.geometry.scene import Geometry, Scene
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
-from igrip.targets.features import LOCAL, SHARED, describe
-from igrip.world import World
+from igrip.targets.learned.features import LOCAL, SHARED, describe
+from igrip.tracking import Tracker
 
 Array = NDArray[np.float64]
 SHAPES = (
@@ -131,7 +131,7 @@ Frames = Sequence[tuple[Motion, Geometry]]
 def follow(recording: Recording) -> Frames:
     """Return motion and geometry of the hand in each frame, as the estimator has them."""
     config = Config()
-    world = World(catalog(), config.world, config.motion, config.objects, config.health)
+    world = Tracker(catalog(), config.tracking, config.motion, config.objects, config.gating)
     scene = Scene(config.rays.model_copy(update={"rays": 1}))  # its rays are not looked at
     frames = []
     for message in recording.messages:

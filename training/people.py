@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from igrip.importers.base import ImportOptions, Reach, observe, read_tables
-from igrip.importers.wispinski2021 import Wispinski2021
+from igrip.io.importers import ImportOptions, RecordedReach, observe, read_tables
+from igrip.io.importers.wispinski2021 import Wispinski2021
 from training.moments import THINGS, Recording, catalog
 
 FOLDS, KEPT_BACK, VALIDATION = 5, 1, 0
@@ -25,14 +25,16 @@ def fold(participant: str) -> int:
     return zlib.crc32(participant.encode()) % FOLDS
 
 
-def real_reaches(tables: Path) -> list[Reach]:
+def real_reaches(tables: Path) -> list[RecordedReach]:
     """Return all reaches of the near/far data."""
     return [read() for read in Wispinski2021().reaches(read_tables([tables]))]
 
 
-def real_recordings(tables: Path, seed: int, folds: Container[int]) -> Iterator[tuple[Reach, int]]:
+def real_recordings(
+    tables: Path, seed: int, folds: Container[int]
+) -> Iterator[tuple[RecordedReach, int]]:
     """Return reaches of the people of some folds, a few of each, and a seed for each."""
-    by_person: dict[str, list[Reach]] = {}
+    by_person: dict[str, list[RecordedReach]] = {}
     for reach in real_reaches(tables):
         by_person.setdefault(reach.participant, []).append(reach)
     for person, reaches in sorted(by_person.items()):
@@ -43,7 +45,7 @@ def real_recordings(tables: Path, seed: int, folds: Container[int]) -> Iterator[
             yield reaches[k], int(random.integers(2**31))
 
 
-def record(reach: Reach, seed: int) -> Recording:
+def record(reach: RecordedReach, seed: int) -> Recording:
     """Return one reach as a sensor of some rate and noise would tell it, with some object's mesh.
 
     In one of eight the target is never seen: what is done then is a reach for none of what is.

@@ -1,7 +1,7 @@
 """Simulated reaches for training: people, tables, sensors and rates drawn from wide ranges.
 
 Wide, so that what is learned is reaching and not one simulator's settings; the frozen cohort that
-judges (:mod:`igrip.simulation.parameters`) is one point among them, its seeds and objects are none.
+judges (``lab.simulation.parameters``) is one point among them, its seeds and objects are none.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ import math
 
 import numpy as np
 
-from igrip.simulation.cohort import SIDES, Task, perform, rest_points
-from igrip.simulation.minimum_jerk import reach as move
-from igrip.simulation.movement import Habits, draw_habits
-from igrip.simulation.no_reach import KINDS, draw_no_reach
-from igrip.simulation.parameters import Camera, Cohort, Person, Protocol
-from igrip.simulation.sensors import film, place_camera
-from igrip.simulation.table import set_table
+from igrip.lab.simulation.cohort import SIDES, Task, perform, rest_points
+from igrip.lab.simulation.minimum_jerk import reach as move
+from igrip.lab.simulation.movement import Habits, draw_habits
+from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
+from igrip.lab.simulation.parameters import Camera, Cohort, Person, Protocol
+from igrip.lab.simulation.sensors import film, place_camera
+from igrip.lab.simulation.table import set_table
 from training.moments import THINGS, Recording, catalog
 
 TRIALS = 10  # of each person

@@ -1,14 +1,36 @@
 """igrip: from where the hands are and where things are, to what each hand will grasp, and how."""
 
-from igrip.config import Config
-from igrip.entities import Hand, ObjectPose
-from igrip.errors import IgripError, ObservationError
-from igrip.estimator import Estimator
-from igrip.intention import Intention
-from igrip.objects.catalog import Catalog, load_objects
-from igrip.observation import Observation
-from igrip.sources.base import open_source
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from igrip.version import __version__
+
+if TYPE_CHECKING:
+    from igrip.config import Config
+    from igrip.entities import Hand, ObjectPose
+    from igrip.errors import IgripError, ObservationError
+    from igrip.estimator import Estimator
+    from igrip.intention import Intention
+    from igrip.io.sources import open_source
+    from igrip.objects.catalog import Catalog, load_objects
+    from igrip.observation import Observation
+
+# imported when first used: meshes, kernels and settings take most of a second to load
+_HOMES = {
+    "Catalog": "igrip.objects.catalog",
+    "Config": "igrip.config",
+    "Estimator": "igrip.estimator",
+    "Hand": "igrip.entities",
+    "IgripError": "igrip.errors",
+    "Intention": "igrip.intention",
+    "ObjectPose": "igrip.entities",
+    "Observation": "igrip.observation",
+    "ObservationError": "igrip.errors",
+    "load_objects": "igrip.objects.catalog",
+    "open_source": "igrip.io.sources",
+}
 
 __all__ = [
     "Catalog",
@@ -24,3 +46,15 @@ __all__ = [
     "load_objects",
     "open_source",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'igrip' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -48,7 +48,7 @@ class CommitmentConfig(Settings):
     )  # fmt: skip
     least: float = quantity(0.5, "1", "confidence asked for at reliability 0", "guess", gt=0, lt=1)
     most: float = quantity(0.98, "1", "confidence asked for at reliability 1", "guess", gt=0, le=1)
-    longest_dwell: float = quantity(
+    max_dwell: float = quantity(
         0.2, "s", "a target must be likely for this long at reliability 1, at 0 not at all",
         "guess", ge=0,
     )  # fmt: skip
@@ -81,7 +81,7 @@ class CommitmentConfig(Settings):
     @property
     def dwell(self) -> float:
         """For how long it must be so likely [s]."""
-        return self.reliability * self.longest_dwell
+        return self.reliability * self.max_dwell
 
     def assists(self, hand: str) -> bool:
         """Whether a device assists this hand."""
@@ -192,7 +192,7 @@ class Committer:
         if self.state == "earning":
             self._open()
 
-    def opened(self) -> None:
+    def notify_released(self) -> None:
         """Note that the device has opened: what was held is held no longer."""
         if self.state == "holding":
             self._open()

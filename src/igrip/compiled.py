@@ -18,38 +18,6 @@ from typing import Any
 import numba
 from platformdirs import user_cache_path
 
-KERNEL_SOURCES = (
-    "compiled.py",
-    "motion/low_pass.py",
-    "motion/quadratic.py",
-    "motion/kinematics.py",
-    "motion/noise.py",
-    "motion/reach.py",
-    "geometry/bvh.py",
-    "geometry/cones.py",
-    "geometry/contact.py",
-    "geometry/cylinder.py",
-    "geometry/local.py",
-    "geometry/nearest.py",
-    "geometry/ray.py",
-    "geometry/within.py",
-    "geometry/kernel.py",
-    "simulation/render/draw.py",
-    "vision/registration/field.py",
-    "vision/registration/align.py",
-    "vision/registration/evidence.py",
-    "vision/registration/near.py",
-    "vision/registration/starts.py",
-    "cues/distance.py",
-    "cues/distance_derivative.py",
-    "cues/impacts.py",
-    "targets/weighted.py",
-    "targets/features.py",
-    "targets/network.py",
-    "targets/bayes.py",
-    "grips/contact.py",
-)
-
 
 @cache
 def cache_directory() -> Path:
@@ -68,12 +36,17 @@ def cache_directory() -> Path:
         return Path(tempfile.mkdtemp(prefix="igrip-cache-"))
 
 
+def kernel_sources(root: Path) -> list[Path]:
+    """Return every source file below a package's folder that holds a kernel, sorted."""
+    return [path for path in sorted(root.rglob("*.py")) if b"@kernel" in path.read_bytes()]
+
+
 @cache
 def kernel_cache_directory() -> Path:
     """Return the directory of compiled code for the sources as they are now."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in KERNEL_SOURCES:
-        digest.update((Path(__file__).parent / source).read_bytes())
+    for source in kernel_sources(Path(__file__).parent):
+        digest.update(source.read_bytes())
     return cache_directory() / "kernel" / digest.hexdigest()[:16]
 
 

@@ -6,13 +6,13 @@ from pydantic import Field
 
 from igrip.commitment import CommitmentConfig
 from igrip.cues import CueConfig
+from igrip.gating import GatingConfig
 from igrip.geometry.scene import RayConfig
 from igrip.grips import GripConfig
-from igrip.health import HealthConfig
 from igrip.motion.trajectory import MotionConfig
-from igrip.objects.track import ObjectConfig
+from igrip.objects.object_track import ObjectConfig
 from igrip.settings import Settings
-from igrip.world import WorldConfig
+from igrip.tracking import TrackingConfig
 
 
 class Config(Settings):
@@ -26,7 +26,7 @@ class Config(Settings):
     grips : str
         Name of the grip selector; ``contact`` is the paper's ``cylinder`` for targets estimators
         without a posterior.
-    motion, objects, rays, cues, grip, commitment, health, world
+    motion, objects, rays, cues, grip, commitment, gating, tracking
         Configurations of the stages, see there.
 
     Examples
@@ -43,5 +43,5 @@ class Config(Settings):
     cues: CueConfig = Field(default=CueConfig())
     grip: GripConfig = Field(default=GripConfig())
     commitment: CommitmentConfig = Field(default=CommitmentConfig())
-    health: HealthConfig = Field(default=HealthConfig())
-    world: WorldConfig = Field(default=WorldConfig())
+    gating: GatingConfig = Field(default=GatingConfig())
+    tracking: TrackingConfig = Field(default=TrackingConfig())

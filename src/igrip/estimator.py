@@ -11,16 +11,15 @@ from igrip.commitment import Committer, Evidence, moving_along
 from igrip.config import Config
 from igrip.cues import CUES
 from igrip.errors import IgripError
-from igrip.geometry.scene import Geometry, Placed, Scene
+from igrip.geometry.scene import Geometry, PlacedObject, Scene
 from igrip.grips import GRIPS, Grip
 from igrip.intention import Intention, Status
-from igrip.motion.hand import HandTrack
+from igrip.motion.hand_track import HandTrack
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
-from igrip.targets import TARGETS, Belief, TargetsEstimator
-from igrip.targets.base import Scores
-from igrip.world import SeenNow, World
+from igrip.targets import TARGETS, Scores, TargetEstimate, TargetsEstimator
+from igrip.tracking import Tracker, TrustedObjects
 
 
 class Estimator:
@@ -51,7 +50,9 @@ class Estimator:
         if not isinstance(catalog, Mapping):
             raise TypeError(f"expected a catalogue (igrip.load_objects), got {catalog!r:.80}")
         self.config = config = config or Config()
-        self._world = World(catalog, config.world, config.motion, config.objects, config.health)
+        self._world = Tracker(
+            catalog, config.tracking, config.motion, config.objects, config.gating
+        )
         self._scene = Scene(config.rays)
         self._cues = [CUES.get(name) for name in CUES.names()]  # the paper's four, and yours
         self._new_targets = TARGETS.get(config.targets)
@@ -60,8 +61,8 @@ class Estimator:
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
-        self._seen = SeenNow(self._world)
-        self._doubted: set[str] = set()
+        self._seen = TrustedObjects(self._world)
+        self._rejected_hands: set[str] = set()
         self._latest: dict[str, Intention] = {}
 
     def update(self, observation: Observation) -> list[Intention]:
@@ -90,7 +91,7 @@ class Estimator:
         trouble = self._world.trouble()
         intentions = {}
         self._evidence.clear()
-        self._doubted.clear()
+        self._rejected_hands.clear()
         for hand, motion, geometry in zip(
             ready, motions, self._scene.measure(motions, objects), strict=True
         ):
@@ -120,15 +121,15 @@ class Estimator:
         """Take the user's word that the reach under way is meant: no dwell. As :meth:`veto`."""
         return self._word(hand, Committer.confirm)
 
-    def opened(self, hand: str | None = None) -> list[Intention]:
+    def notify_released(self, hand: str | None = None) -> list[Intention]:
         """Note that the device has opened: the hand holds nothing. As :meth:`veto`."""
-        return self._word(hand, Committer.opened)
+        return self._word(hand, Committer.notify_released)
 
     def _word(self, hand: str | None, word: Callable[[Committer], None]) -> list[Intention]:
         if hand is not None and not self.config.commitment.assists(hand):
             raise IgripError(f"hand {hand!r:.80} is not one that a device assists")
         if hand is not None and hand not in self._committers:
-            if len(self._committers) >= 4 * self.config.world.most_hands:
+            if len(self._committers) >= 4 * self.config.tracking.max_hands:
                 raise IgripError(f"hand {hand!r:.80} is not known, and there are too many")
             self._committers[hand] = Committer(self.config.commitment)
         told = []
@@ -149,12 +150,12 @@ class Estimator:
         return dict(self._evidence)
 
     @property
-    def doubted(self) -> set[str]:
+    def rejected_hands(self) -> set[str]:
         """Hands whose measurement in the newest message could not be believed."""
-        return set(self._doubted)
+        return set(self._rejected_hands)
 
     @property
-    def objects(self) -> list[Placed]:
+    def objects(self) -> list[PlacedObject]:
         """The objects that can be used now, with their filtered poses."""
         return self._world.placed()
 
@@ -195,7 +196,7 @@ class Estimator:
         hand: HandTrack,
         geometry: Geometry,
         cues: dict[str, Scores],
-        belief: Belief,
+        belief: TargetEstimate,
         grip: Grip,
         trouble: str | None,
     ) -> Intention:
@@ -275,7 +276,7 @@ class Estimator:
             before, status = self._latest.get(id), self._status(hand)
             changed = before is None or status != before.status
             if hand in measured:
-                self._doubted.add(id)
+                self._rejected_hands.add(id)
                 if id in self._committers:
                     self._committers[id].doubt()
             if changed or hand in measured:

@@ -1,7 +1,9 @@
-"""Families of interchangeable parts (cues, targets estimators, …), found by name.
+"""Families of interchangeable parts (cues, targets estimators, cameras, …), found by name.
 
-A member is one file: every module of the family's package is imported when a name is first asked
-for, and installed packages may add members through an entry point of the family's group.
+A member is one file: a module of the family's package, under the member's own name. Listing the
+names imports none of them; asking for one imports that one. Modules whose name begins with an
+underscore, and packages, are shared by members and are none. Installed distributions add members
+through an entry point of the family's group.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Callable
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Generic, TypeVar
 
 from igrip.errors import UnknownNameError
@@ -25,15 +27,18 @@ class Registry(Generic[T]):
     family : str
         What a member is called in messages, for example ``"cue"``.
     package : str
-        The package whose modules are the built-in members; it is also the entry-point group of
-        members that other distributions bring.
+        The package whose modules are the built-in members.
+    group : str, optional
+        The entry-point group of members that other distributions bring; by default ``package``.
     """
 
-    def __init__(self, family: str, package: str) -> None:
+    def __init__(self, family: str, package: str, group: str | None = None) -> None:
         self.family = family
         self.package = package
+        self.group = group or package
         self._members: dict[str, T] = {}
-        self._complete = False
+        self._modules: frozenset[str] | None = None
+        self._points: dict[str, EntryPoint] = {}
 
     def register(self, name: str) -> Callable[[T], T]:
         """Return a decorator that adds a member under ``name``."""
@@ -46,30 +51,36 @@ class Registry(Generic[T]):
         return add
 
     def get(self, name: str) -> T:
-        """Return the member called ``name``.
+        """Return the member called ``name``; its module is imported if it was not yet.
 
         Raises
         ------
         UnknownNameError
             If there is none; the message lists the valid names.
         """
-        self._discover()
-        try:
+        if name in self._members:
             return self._members[name]
-        except KeyError:
-            raise UnknownNameError(self.family, name, self.names()) from None
+        if name in self._discover():
+            importlib.import_module(f"{self.package}.{name}")
+            if name not in self._members:
+                raise RuntimeError(f"{self.package}.{name} does not register {name!r}")
+        elif name in self._points:
+            self._members[name] = self._points[name].load()
+        else:
+            raise UnknownNameError(self.family, name, self.names())
+        return self._members[name]
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of all members, sorted."""
-        self._discover()
-        return tuple(sorted(self._members))
+        """Return the names of all members, sorted; imports none of them."""
+        return tuple(sorted({*self._discover(), *self._points, *self._members}))
 
-    def _discover(self) -> None:
-        if self._complete:
-            return
-        package = importlib.import_module(self.package)
-        for module in pkgutil.iter_modules(package.__path__):
-            importlib.import_module(f"{self.package}.{module.name}")
-        for point in entry_points(group=self.package):
-            self._members.setdefault(point.name, point.load())
-        self._complete = True  # last: if a module fails, the next call says so again
+    def _discover(self) -> frozenset[str]:
+        if self._modules is None:
+            package = importlib.import_module(self.package)
+            self._points = {point.name: point for point in entry_points(group=self.group)}
+            self._modules = frozenset(
+                module.name
+                for module in pkgutil.iter_modules(package.__path__)
+                if not module.ispkg and not module.name.startswith("_")
+            )
+        return self._modules

@@ -15,8 +15,8 @@ import trimesh
 
 from datasets import MESH
 from igrip import Observation
-from igrip.recording.dataset import Dataset
-from igrip.recording.jsonl import JsonlWriter
+from igrip.io.datasets.dataset import Dataset
+from igrip.io.recordings.jsonl import JsonlWriter
 
 SLOW_COMMAND = 240  # a cold kernel has to be compiled first [s]
 

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from board_pictures import looking_at, see
-from igrip.cameras.base import open_camera
-from igrip.cameras.board import Board
 from igrip.cli import main
 from igrip.errors import RecordingError
-from igrip.recording.files import open_recording, open_writer
-from igrip.recording.mcap import McapReader, McapWriter
+from igrip.io.recordings.files import open_recording, open_writer
+from igrip.io.recordings.mcap_writer import McapReader, McapWriter
+from igrip.perception.calibration.board import Board
+from igrip.perception.cameras import open_camera
 from rgbd_frames import frame
 
 COMMAND = [sys.executable, "-c", "from igrip.cli import main; main()"]

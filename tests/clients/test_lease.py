@@ -15,9 +15,9 @@ import pytest
 
 import igrip
 from browser import needs_chromium, open_page
-from igrip.service.access import Access
-from igrip.service.loop import Service
-from igrip.service.websocket import WebSocketServer
+from igrip.runtime.access import Access
+from igrip.runtime.service import Service
+from igrip.runtime.websocket import WebSocketServer
 from support import BOX, UPRIGHT
 
 CLIENTS = Path(__file__).parents[2] / "docs" / "clients"

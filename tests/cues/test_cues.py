@@ -44,7 +44,7 @@ def test_distance_derivative_of_a_resting_hand(speed):
 
 def test_distance_derivative_without_a_least_speed_does_not_divide_by_zero():
     ours = score(
-        "distance_derivative", geometry(centre_rate=[-0.1, 0.1, 0.0]), motion(0.0), least_speed=0.0
+        "distance_derivative", geometry(centre_rate=[-0.1, 0.1, 0.0]), motion(0.0), min_speed=0.0
     )
     assert ours.tolist() == [0.0, 0.0, 0.0]
 

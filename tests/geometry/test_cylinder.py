@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from igrip.geometry import cylinder
-from igrip.geometry.scene import Placed, RayConfig, Scene
+from igrip.geometry.scene import PlacedObject, RayConfig, Scene
 from support import BOX, CAN
 
 
@@ -17,7 +17,7 @@ def test_cylinders_are_those_of_the_models_in_the_world(shapes, at_rest):
     for k, name in enumerate((BOX, CAN, BOX)):
         turn = Rotation.random(random_state=k).as_matrix()
         placed.append(
-            Placed(
+            PlacedObject(
                 str(k),
                 shapes[name],
                 turn,

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from igrip.geometry.scene import RayConfig, Scene
-from igrip.motion.reach import ReachDetector
+from igrip.motion.reach_detection import ReachDetector
 from igrip.motion.trajectory import Motion
 from oracle import cones, meshes, motion
 from support import BOX, CAN, oracle_mesh, placed, random_turn

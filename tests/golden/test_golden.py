@@ -11,14 +11,15 @@ import pytest
 import igrip
 from golden.make_golden import FILES, plain
 from igrip.cues import CUES, CueConfig
-from igrip.evaluation.trials import score_trial
 from igrip.geometry.scene import Geometry, RayConfig, Scene, ray_pattern
 from igrip.grips.cylinder import is_pinch
+from igrip.lab.evaluation.trials import score_trial
 from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter
-from igrip.motion.reach import ReachDetector
+from igrip.motion.reach_detection import ReachDetector
 from igrip.motion.trajectory import Motion, MotionConfig, Trajectory
 from igrip.targets import TARGETS
-from igrip.targets.weighted import paper_weights, repaired_weights
+from igrip.targets.paper import paper_weights
+from igrip.targets.repaired import repaired_weights
 from support import MeshCatalog, mesh_of, placed
 
 TIGHT = {"rel": 1e-9, "abs": 1e-12}

@@ -8,7 +8,7 @@ import pytest
 from igrip.geometry import cylinder
 from igrip.grips import GRIPS, GripConfig
 from igrip.grips.contact import INPUTS, TERMS, approach_of, pinch_odds, weights
-from igrip.targets import Belief
+from igrip.targets import TargetEstimate
 from reaching import at, intentions_of, reach_messages
 
 CAN = "cylinder:0.033x0.10"
@@ -77,4 +77,4 @@ def test_without_a_posterior_it_is_the_papers_rule(shapes):
 
 def test_no_target_no_grip():
     grip = GRIPS.get("contact")(GripConfig())
-    assert grip.select(Belief(None, np.zeros(0), np.ones(1)), None, None).name is None
+    assert grip.select(TargetEstimate(None, np.zeros(0), np.ones(1)), None, None).name is None

@@ -12,7 +12,7 @@ from igrip.geometry.scene import RayConfig, Scene
 from igrip.grips import GRIPS, GripConfig
 from igrip.grips.cylinder import is_pinch
 from igrip.motion.trajectory import Motion
-from igrip.targets import Belief
+from igrip.targets import TargetEstimate
 from oracle import scores
 from support import BOX, PAPER, placed, random_turn
 
@@ -20,7 +20,7 @@ from support import BOX, PAPER, placed, random_turn
 def select(target, axial, half_length, **config):
     grip = GRIPS.get("cylinder")(GripConfig(**config))
     frame = geometry(len(axial), axial=axial, half_length=half_length)
-    return grip.select(Belief(target, np.zeros(len(axial))), frame, None)
+    return grip.select(TargetEstimate(target, np.zeros(len(axial))), frame, None)
 
 
 @given(st.floats(-0.3, 0.3), st.floats(0.01, 0.3))
@@ -64,7 +64,7 @@ def test_beside_palmar_above_and_below_pinch(ycb, name):
         side = np.cross(model.axis, rng.normal(size=3))
         local = model.origin + height * half * model.axis + 0.1 * side / np.linalg.norm(side)
         [measured] = Scene(RayConfig()).measure([at(turn.apply(local) + shift)], [body])
-        assert grip.select(Belief(0, np.ones(1)), measured, None).name == expected
+        assert grip.select(TargetEstimate(0, np.ones(1)), measured, None).name == expected
 
 
 def at(position):

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from igrip.lab.simulation.minimum_jerk import reach
 from igrip.motion import noise
-from igrip.simulation.minimum_jerk import reach
 
 
 def estimated(times, points, memory=1.0, first=0.002):

@@ -13,10 +13,10 @@ def impacts(hits):
     return hits / hits.sum() if hits.sum() > 0 else np.zeros_like(hits)
 
 
-def distance_derivative(rates, speed, least_speed=0.03):
+def distance_derivative(rates, speed, min_speed=0.03):
     """-d'/v; 0 below a least speed."""
     rates = np.asarray(rates, dtype=float)
-    return np.zeros_like(rates) if speed < least_speed else -rates / speed
+    return np.zeros_like(rates) if speed < min_speed else -rates / speed
 
 
 def closeness(distances, centres, single_spread=0.5):

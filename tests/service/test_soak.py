@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from websockets.sync.client import connect
 
-from igrip.simulation.demo import DemoConfig, DemoPerson
+from igrip.lab.simulation.demo import DemoConfig, DemoPerson
 from memory import resident
 
 SECONDS = float(os.environ.get("IGRIP_SOAK_SECONDS", "600"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from igrip.targets.library import InReach, Witness, library, log_volume
+from igrip.targets.learned.reach_library import InReach, Witness, library, log_volume
 from reaching import SPREAD, TWO, at, intentions_of, reach_messages
 
 LEARNED = ("gaussians", "mixtures", "templates")
@@ -47,7 +47,7 @@ def test_a_faster_sensor_gives_much_the_same_answer(shapes, name, rate):
 def test_a_witness_counts_time_and_not_samples():
     class Seen:
         def __init__(self, ids):
-            self.objects = [type("Placed", (), {"id": id}) for id in ids]
+            self.objects = [type("PlacedObject", (), {"id": id}) for id in ids]
 
     def after(passed, elapsed):
         return InReach(elapsed, passed, np.empty(0), np.empty(0))

@@ -7,7 +7,7 @@ import pytest
 
 import igrip
 from datasets import shared_folder
-from igrip.importers.base import ImportOptions, observe
+from igrip.io.importers import ImportOptions, observe
 from training.people import KEPT_BACK, fold, real_reaches
 
 EACH = 60  # of near and of far reaches

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from igrip.targets.bayes import WEIGHTS
-from igrip.targets.features import LOCAL, SHARED
-from igrip.targets.network import INPUTS, read_scorer
+from igrip.targets.learned.features import LOCAL, SHARED
+from igrip.targets.learned.network import INPUTS, read_scorer
 from training import learn
 from training.grip import fit_grip, terms_of
 from training.learn import fit, fit_scorer, inputs_of, scores_of, standardised, write_scorer

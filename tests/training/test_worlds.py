@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from igrip.simulation.parameters import cohort
+from igrip.lab.simulation.parameters import cohort
 from training.worlds import draw_world
 
 PARTS = ("protocol", "person", "camera")

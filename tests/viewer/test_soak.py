@@ -9,7 +9,7 @@ import pytest
 
 from browser import needs_chromium, open_page
 from igrip import Estimator
-from igrip.simulation.demo import DemoPerson
+from igrip.lab.simulation.demo import DemoPerson
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 

@@ -10,7 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from igrip.geometry.scene import Placed, Scene
+from igrip.geometry.scene import PlacedObject, Scene
 from igrip.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
@@ -27,7 +27,9 @@ class Workload:
         For each object, the points whose distance is wanted: hands and barycentres.
     """
 
-    def __init__(self, scene: Scene, motions: Sequence[Motion], objects: Sequence[Placed]) -> None:
+    def __init__(
+        self, scene: Scene, motions: Sequence[Motion], objects: Sequence[PlacedObject]
+    ) -> None:
         self.rays: list[tuple[Array, Array]] = []
         self.points: list[Array] = []
         for placed in objects:
@@ -43,7 +45,7 @@ class Workload:
             self.points.append((np.array(points) - placed.translation) @ placed.rotation)
 
 
-def mesh_of(placed: Placed) -> trimesh.Trimesh:
+def mesh_of(placed: PlacedObject) -> trimesh.Trimesh:
     """Return the mesh of an object for other libraries."""
     return trimesh.Trimesh(placed.model.vertices, placed.model.faces, process=False)
 
@@ -51,7 +53,7 @@ def mesh_of(placed: Placed) -> trimesh.Trimesh:
 class Embree:
     """Rays by embreex, called directly for each object; with nothing else around it."""
 
-    def __init__(self, objects: Sequence[Placed]) -> None:
+    def __init__(self, objects: Sequence[PlacedObject]) -> None:
         from embreex import rtcore_scene
         from embreex.mesh_construction import TriangleMesh
 
@@ -93,7 +95,9 @@ class EmbreeNumpy:
     time to contact, and the checks of its input.
     """
 
-    def __init__(self, objects: Sequence[Placed], rays: int, horizon: float, points: int) -> None:
+    def __init__(
+        self, objects: Sequence[PlacedObject], rays: int, horizon: float, points: int
+    ) -> None:
         self._objects = objects
         self._embree = Embree(objects)
         self._trees = [cKDTree(placed.model.vertices) for placed in objects]
@@ -144,7 +148,7 @@ class EmbreeNumpy:
 class PlainTrimesh:
     """Rays by trimesh without embree (its rtree engine), as the paper's public code uses."""
 
-    def __init__(self, objects: Sequence[Placed]) -> None:
+    def __init__(self, objects: Sequence[PlacedObject]) -> None:
         from trimesh.ray.ray_triangle import RayMeshIntersector
 
         self._engines = [RayMeshIntersector(mesh_of(placed)) for placed in objects]

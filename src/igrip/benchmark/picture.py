@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from igrip.plots import new_figure
+from igrip.lab.report.matplotlib_figure import new_figure
 
 
 def draw(report: dict[str, Any], path: Path) -> None:

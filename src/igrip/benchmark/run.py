@@ -20,10 +20,10 @@ from igrip.config import Config
 from igrip.cues import CueConfig
 from igrip.estimator import Estimator
 from igrip.geometry.scene import RayConfig
+from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog, load_objects
 from igrip.observation import Observation
-from igrip.recording.jsonl import JsonlReader, JsonlWriter
 
 TARGETS = "paper"  # the estimator that is timed
 OWN = "igrip, update"

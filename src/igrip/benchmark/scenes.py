@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
+from igrip.lab.simulation.minimum_jerk import reach
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.observation import Observation
-from igrip.simulation.minimum_jerk import reach
 
 RATE = 30.0
 NOISE = 0.002  # sd of every position [m]: no two frames are alike, as with a real sensor

@@ -7,12 +7,17 @@ from typing import Annotated
 
 import typer
 
-from igrip.cameras.base import CameraError, open_camera, split_names
-from igrip.cameras.board import Board
-from igrip.cameras.calibration import Placement, collect, place_camera, write_calibration
-from igrip.cameras.lens import find_lens
 from igrip.cli.console import errors, output
 from igrip.errors import IgripError
+from igrip.perception.calibration.board import Board
+from igrip.perception.calibration.extrinsics import (
+    Placement,
+    collect,
+    place_camera,
+    write_calibration,
+)
+from igrip.perception.calibration.lens import find_lens
+from igrip.perception.cameras import CameraError, open_camera, split_names
 
 ODD_DEPTH = 0.03  # a camera's depth may differ so much from the board's before it is mentioned
 

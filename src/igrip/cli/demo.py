@@ -14,17 +14,17 @@ from rich.text import Text
 
 from igrip.cli.console import errors, output, print_json
 from igrip.config import Config
+from igrip.describe import describe
 from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
+from igrip.lab.simulation.demo import DemoPerson, Moment, Task
+from igrip.lab.simulation.demo_score import DemoScore, Events
+from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
-from igrip.simulation.demo import DemoPerson, Moment, Task
-from igrip.simulation.faults import KINDS, Fault, inject
-from igrip.simulation.tally import Events, Tally
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
-from igrip.words import describe
 
 
 def demo(
@@ -68,7 +68,7 @@ def demo(
     wanted = [config.targets]  # the page may ask for another
     viewer = None if headless else _open_viewer(config.targets, wanted.append, port)
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
-    tally = Tally()
+    tally = DemoScore()
     try:
         moments = _paced(_with(faults, _until(person, duration, endless), seed), speed)
         events = Events() if faults and not as_json else None
@@ -156,7 +156,7 @@ def _run(
     moments: Iterator[Moment],
     estimators: Iterator[Estimator],
     viewer: Viewer | None,
-    tally: Tally,
+    tally: DemoScore,
     quiet: bool,
     events: Events | None,
 ) -> None:
@@ -190,7 +190,7 @@ def _task_words(task: Task) -> str:
     return f"{task.hand} hand to {task.target}, {task.grip} grip"
 
 
-def _screen(moment: Moment, intentions: list[Intention], tally: Tally) -> Table:
+def _screen(moment: Moment, intentions: list[Intention], tally: DemoScore) -> Table:
     table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_task_words(moment.task)}")
     for column in ("hand", "status", "target", "grip", "score", "contact in", "may act on"):
         table.add_column(column, min_width=9)

@@ -11,11 +11,11 @@ import typer
 from igrip.cli.console import errors, output, print_json, progress
 from igrip.config import Config
 from igrip.errors import MissingExtraError, RecordingError
-from igrip.evaluation.experiment import Experiment
 from igrip.grips import GRIPS
+from igrip.io.datasets.dataset import Dataset
+from igrip.io.datasets.participants import participants_without_trials
+from igrip.lab.evaluation.experiment import Experiment
 from igrip.objects.catalog import load_objects
-from igrip.recording.dataset import Dataset
-from igrip.recording.participants import participants_without_trials
 from igrip.targets import TARGETS
 
 USUAL = (
@@ -56,8 +56,8 @@ def evaluate(
     Example: igrip evaluate cohort --out report --targets paper --targets repaired
     """
     try:
-        from igrip.evaluation.summary import frame_of, summarise
-        from igrip.report.page import write_report
+        from igrip.lab.evaluation.summary import frame_of, summarise
+        from igrip.lab.report.page import write_report
     except ImportError as error:
         raise MissingExtraError("pandas", "report", "the evaluation") from error
     names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
@@ -103,14 +103,14 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
     for name in summary["without_trials"]:
         errors.print(f"participant {name} has no trials", style="yellow")
     if as_json:
-        from igrip.report.page import clean
+        from igrip.lab.report.page import clean
 
         print_json(clean(summary))
         return
     from rich.table import Table
     from rich.text import Text
 
-    from igrip.report.page import percent, seconds
+    from igrip.lab.report.page import percent, seconds
 
     table = Table(
         "targets", "valid: frames", "trials", "delay s", "margin s", "grip", "all: trials",

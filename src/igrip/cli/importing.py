@@ -10,17 +10,17 @@ import typer
 
 from igrip.cli.console import errors, output, print_json, progress
 from igrip.errors import DatasetError
-from igrip.importers.base import (
+from igrip.io.datasets.dataset import Dataset
+from igrip.io.importers import (
     Importer,
     ImportOptions,
-    Reach,
+    RecordedReach,
     find_importer,
     read_tables,
     write_dataset,
 )
-from igrip.importers.mapped import Mapped, read_map
+from igrip.io.importers._mapped import Mapped, read_map
 from igrip.objects.catalog import load_objects
-from igrip.recording.dataset import Dataset
 
 
 def import_tables(
@@ -107,7 +107,9 @@ def import_tables(
     errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
 
 
-def _only(reaches: Sequence[Callable[[], Reach]], file: Path) -> list[Callable[[], Reach]]:
+def _only(
+    reaches: Sequence[Callable[[], RecordedReach]], file: Path
+) -> list[Callable[[], RecordedReach]]:
     """Keep the reaches of the people named in a file."""
     try:
         people = set(file.read_text(encoding="utf-8").split())
@@ -119,7 +121,7 @@ def _only(reaches: Sequence[Callable[[], Reach]], file: Path) -> list[Callable[[
     return kept
 
 
-def _person(read: Callable[[], Reach]) -> str | None:
+def _person(read: Callable[[], RecordedReach]) -> str | None:
     try:
         return read().participant
     except DatasetError:  # it will be left out by name

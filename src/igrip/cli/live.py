@@ -12,23 +12,23 @@ from urllib.parse import parse_qsl
 import typer
 from rich.live import Live
 
-from igrip.cameras.base import Camera, open_camera, split_names
 from igrip.cli.console import errors, output, print_json
+from igrip.cli.live_table import markdown_of, table_of
 from igrip.cli.stream import Out, warm_up
 from igrip.commitment import EVERY, CommitmentConfig
 from igrip.config import Config
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.live.chain import Chain
-from igrip.live.eyes import hand_eye, object_eye, read_options, warm_up_eyes
-from igrip.live.loop import Loop
-from igrip.live.screen import markdown_of, table_of
+from igrip.io.recordings.files import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
-from igrip.outputs.stdout import StdoutOutput
-from igrip.recording.files import open_writer
-from igrip.service.access import Access
-from igrip.viewer.picture import PicturePanel, Seen
+from igrip.perception.cameras import Camera, open_camera, split_names
+from igrip.perception.pipeline.detectors import hand_eye, object_eye, read_options, warm_up_eyes
+from igrip.perception.pipeline.pipeline import Pipeline
+from igrip.runtime.access import Access
+from igrip.runtime.loop import Loop
+from igrip.runtime.outputs.stdout import StdoutOutput
+from igrip.viewer.camera_panel import PicturePanel, Seen
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -64,7 +64,7 @@ def live(
     apart: Annotated[
         bool, typer.Option("--apart", help="Keep the hands of several cameras apart, by camera.")
     ] = False,
-    most_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
+    max_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
     out: Annotated[
         Path | None,
         typer.Option(help="Record what the estimator is given: F.jsonl or F.mcap; igrip replay "
@@ -115,11 +115,11 @@ def live(
                 known[name]
             warm_up(config, known)
             count = _check(camera, calibration)
-            new_hands = None if hands == NOTHING else hand_eye(hands, most_hands, apart, count)
+            new_hands = None if hands == NOTHING else hand_eye(hands, max_hands, apart, count)
             new_objects = None if objects == NOTHING else object_eye(objects, known, options)
             warm_up_eyes(new_hands, new_objects, known, options["models"])
             source = open_camera(camera, calibration)
-        chain = stack.enter_context(Chain(source, new_hands, new_objects))
+        chain = stack.enter_context(Pipeline(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
         loop = Loop(Estimator(known, config), chain.begin, recorder)
         notes = Notes(source, chain)
@@ -145,7 +145,7 @@ def live(
 class Notes:
     """What a camera or a finder has to say, told once each."""
 
-    def __init__(self, camera: Camera, chain: Chain) -> None:
+    def __init__(self, camera: Camera, chain: Pipeline) -> None:
         self._camera, self._chain = camera, chain
         self._told: set[str] = set()
 
@@ -173,11 +173,11 @@ def _check(camera: str, calibration: Path | None) -> int:
 
 
 def _outputs(
-    loop: Loop, chain: Chain, outs: list[Out], assisted: list[str] | None,
+    loop: Loop, chain: Pipeline, outs: list[Out], assisted: list[str] | None,
     server: tuple[str, int, str | None],
 ) -> None:  # fmt: skip
     if Out.WS in outs:
-        from igrip.service.websocket import WebSocketServer
+        from igrip.runtime.websocket import WebSocketServer
 
         host, port, token = server
         socket = WebSocketServer(
@@ -189,7 +189,7 @@ def _outputs(
     if Out.STDOUT in outs:
         loop.outputs.append(StdoutOutput())
     if Out.LSL in outs:
-        from igrip.outputs.lsl import HANDS, LslOutput
+        from igrip.runtime.outputs.lsl import HANDS, LslOutput
 
         session = loop.numbering.session
         loop.outputs.append(LslOutput("igrip", session, tuple(assisted) if assisted else HANDS))
@@ -206,7 +206,7 @@ def _page(port: int) -> Viewer | None:
 
 
 def _run(
-    loop: Loop, chain: Chain, viewer: Viewer | None, seconds: float | None, notes: Notes,
+    loop: Loop, chain: Pipeline, viewer: Viewer | None, seconds: float | None, notes: Notes,
     quiet: bool,
 ) -> None:  # fmt: skip
     screen = Live(console=errors, refresh_per_second=4, transient=True)
@@ -225,7 +225,7 @@ def _run(
 
 
 def _looker(
-    loop: Loop, chain: Chain, viewer: Viewer | None, panel: PicturePanel | None,
+    loop: Loop, chain: Pipeline, viewer: Viewer | None, panel: PicturePanel | None,
     screen: Live | None, seconds: float | None, notes: Notes,
 ) -> Callable[[list[Intention]], None]:  # fmt: skip
     """Return what is done after each update: nothing of it waits."""

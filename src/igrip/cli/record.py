@@ -9,11 +9,11 @@ from typing import Annotated
 
 import typer
 
-from igrip.cameras.base import Camera, CameraError, open_camera
 from igrip.cli.console import errors, output
 from igrip.errors import RecordingError
-from igrip.recording.mcap import McapWriter
-from igrip.recording.recorder import Recorder
+from igrip.io.recordings.mcap_writer import McapWriter
+from igrip.io.recordings.recorder import Recorder
+from igrip.perception.cameras import Camera, CameraError, open_camera
 
 SAY_EVERY = 0.25  # s
 

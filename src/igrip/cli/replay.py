@@ -16,12 +16,12 @@ from igrip.cli.summaries import dataset_summary, print_dataset, print_recording,
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.estimator import Estimator
-from igrip.evaluation.replay import TrialResult, run_dataset
 from igrip.intention import Intention
+from igrip.io.datasets.dataset import Dataset
+from igrip.io.recordings.files import open_writer
+from igrip.io.sources import open_source
+from igrip.lab.evaluation.replay import TrialResult, run_dataset
 from igrip.objects.catalog import load_objects
-from igrip.recording.dataset import Dataset
-from igrip.recording.files import open_writer
-from igrip.sources.base import open_source
 from igrip.targets import TARGETS
 
 

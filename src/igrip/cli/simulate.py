@@ -9,9 +9,9 @@ import typer
 
 from igrip.cli.console import output, print_json, progress
 from igrip.errors import IgripError
+from igrip.lab.simulation.cohort import simulate as write_cohort
+from igrip.lab.simulation.parameters import Profile, checksum, cohort
 from igrip.objects.catalog import load_objects
-from igrip.simulation.cohort import simulate as write_cohort
-from igrip.simulation.parameters import Profile, checksum, cohort
 
 
 def simulate(
@@ -29,7 +29,7 @@ def simulate(
 ) -> None:
     """Simulate the paper's protocol: people × 128 trials × 2 cameras, shuffled and seeded.
 
-    Every size of effect and its source: igrip/simulation/parameters.py.
+    Every size of effect and its source: igrip/lab/simulation/parameters.py.
 
     Example: igrip simulate cohort --participants 11 --seed 0
     """

@@ -17,10 +17,10 @@ from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
-from igrip.outputs.stdout import StdoutOutput
-from igrip.service.access import Access
-from igrip.service.loop import Service, close
-from igrip.service.stdin import read_lines
+from igrip.runtime.access import Access
+from igrip.runtime.outputs.stdout import StdoutOutput
+from igrip.runtime.service import Service, close
+from igrip.runtime.stdin import read_lines
 
 REPORT_EVERY = 1.0  # s between two looks at the counts for /status
 
@@ -115,7 +115,7 @@ def stream(
         if Out.STDOUT in outs:
             service.outputs.append(StdoutOutput(patient=lone))
         if Out.LSL in outs:
-            from igrip.outputs.lsl import HANDS, LslOutput
+            from igrip.runtime.outputs.lsl import HANDS, LslOutput
 
             hands = tuple(assisted) if assisted else HANDS
             service.outputs.append(LslOutput(name, service.numbering.session, hands))
@@ -137,7 +137,7 @@ def stream(
 def _serve(
     service: Service, host: str, port: int, access: Access, takes: bool, tells: bool
 ) -> None:
-    from igrip.service.websocket import WebSocketServer
+    from igrip.runtime.websocket import WebSocketServer
 
     server = WebSocketServer(
         host, port, access, service.take, service.inbox.count, service.status, takes, tells

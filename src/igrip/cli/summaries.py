@@ -10,9 +10,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from igrip.evaluation.replay import FRACTIONS, TrialResult
 from igrip.intention import Intention
-from igrip.recording.dataset import Dataset
+from igrip.io.datasets.dataset import Dataset
+from igrip.lab.evaluation.replay import FRACTIONS, TrialResult
 
 GROUPS = "distance"  # the column by which a table is split, where a dataset has it
 

@@ -10,12 +10,12 @@ import typer
 from igrip.cli.console import errors, progress
 from igrip.config import Config
 from igrip.errors import RecordingError
+from igrip.io.datasets.dataset import Dataset
+from igrip.io.sources import open_source
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
-from igrip.recording.dataset import Dataset
-from igrip.sources.base import open_source
 from igrip.targets import TARGETS
-from igrip.viewer.film import Cutter, Player, make_film
+from igrip.viewer.playback import Player, ReplayWorker, make_film
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot
 
@@ -52,7 +52,9 @@ def view(
     path, catalog = _open(recording, trial, objects or [])
     observations = _read(path, begin + duration)
     film = _film(path.name, observations, catalog, config, begin)
-    cutter = Cutter(lambda name: make_film(observations, catalog, Config(targets=name), film[0].t))
+    cutter = ReplayWorker(
+        lambda name: make_film(observations, catalog, Config(targets=name), film[0].t)
+    )
     viewer = Viewer(port=port, targets=config.targets, choose_targets=cutter.want)
     viewer.note(path.name, f"by {config.targets}")
     player = Player(viewer, film)

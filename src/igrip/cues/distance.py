@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.cues.base import CueConfig, Scores, cue
+from igrip.cues import CueConfig, Scores, cue
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.cues.base import CueConfig, Scores, cue
+from igrip.cues import CueConfig, Scores, cue
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 
@@ -32,7 +32,7 @@ def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -
     d is the distance to the centre of gravity. The paper prints ``ḋ / v``, which would choose the
     object that recedes fastest (SPEC §5).
     """
-    if motion.speed < config.least_speed or motion.speed == 0.0:
+    if motion.speed < config.min_speed or motion.speed == 0.0:
         return np.zeros(len(geometry.centre_rate))
     scores: Scores = directness(geometry.centre_rate, motion.speed)
     return scores

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from igrip.cues.base import CueConfig, Scores, cue
+from igrip.cues import CueConfig, Scores, cue
 from igrip.cues.distance import closeness
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
-from igrip.cues.base import CueConfig, Scores, cue
+from igrip.cues import CueConfig, Scores, cue
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.geometry.bvh import STACK
-from igrip.geometry.local import distance, distance2, to_mesh
-from igrip.geometry.nearest import nearest
+from igrip.geometry.object_frame import distance, distance2, to_mesh
+from igrip.mesh.bvh import STACK
+from igrip.mesh.nearest import nearest
 
 STEPS = 400  # a path is followed in steps of at least this part of the horizon
 NEAR = 1e-4  # of the reach: this near is there [m]

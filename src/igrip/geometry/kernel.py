@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.geometry.bvh import STACK
 from igrip.geometry.cones import (
     LEAST,
     cone_can_meet,
@@ -15,9 +14,10 @@ from igrip.geometry.cones import (
     ray_direction,
     sphere_from,
 )
-from igrip.geometry.local import distance2, to_mesh, turn_to_mesh
-from igrip.geometry.nearest import nearest
-from igrip.geometry.ray import cast_ray, meets_mesh
+from igrip.geometry.object_frame import distance2, to_mesh, turn_to_mesh
+from igrip.mesh.bvh import STACK
+from igrip.mesh.nearest import nearest
+from igrip.mesh.ray import cast_ray, meets_mesh
 
 RAY_NODES, POINT_NODES, RAYS = 0, 1, 2  # counters
 

@@ -12,7 +12,7 @@ from pydantic import model_validator
 
 from igrip.entities import Vector
 from igrip.geometry import contact, cylinder, kernel
-from igrip.geometry.packed import Packed, pack
+from igrip.geometry.packed_models import PackedModels, pack
 from igrip.motion.trajectory import Motion
 from igrip.objects.model import ObjectModel
 from igrip.settings import Settings, quantity
@@ -35,9 +35,9 @@ class RayConfig(Settings):
     fast_angle: float = quantity(
         math.radians(8.0), "rad", "half-angle at fast_speed", "SPEC §4", gt=0, lt=1.5
     )
-    least_speed: float = quantity(
+    min_speed: float = quantity(
         0.03, "m/s", "a slower predicted point has no direction, so no cone",
-        "as cues.least_speed", ge=0,
+        "as cues.min_speed", ge=0,
     )  # fmt: skip
     contact_distance: float = quantity(
         0.08, "m", "palm to surface when a grasp closes", "SPEC §9", ge=0
@@ -51,7 +51,7 @@ class RayConfig(Settings):
         return self
 
 
-class Placed(NamedTuple):
+class PlacedObject(NamedTuple):
     """An object in the world.
 
     Attributes
@@ -81,7 +81,7 @@ class Geometry(NamedTuple):
 
     Attributes
     ----------
-    objects : sequence of Placed
+    objects : sequence of PlacedObject
         The objects.
     hits : int64
         Rays of the cones that meet the mesh.
@@ -103,7 +103,7 @@ class Geometry(NamedTuple):
         Places the bounding cylinders, shape (o, 11): see :mod:`igrip.geometry.cylinder`.
     """
 
-    objects: Sequence[Placed]
+    objects: Sequence[PlacedObject]
     hits: NDArray[np.int64]
     vertex: Array
     future_vertex: Array
@@ -147,14 +147,14 @@ class Scene:
         self._cone = np.array(
             [
                 config.slow_speed, config.slow_angle, config.fast_speed, config.fast_angle,
-                config.least_speed,
+                config.min_speed,
             ]
         )  # fmt: skip
         self._pattern = ray_pattern(config.rays)
         self._packed = pack({})
         self.counters = np.zeros(3, dtype=np.int64)
 
-    def _pack_with(self, objects: Sequence[Placed]) -> Packed:
+    def _pack_with(self, objects: Sequence[PlacedObject]) -> PackedModels:
         """Return the trees of all meshes known so far, those of these objects among them."""
         packed = self._packed
         missing = {o.model.name: o.model for o in objects if o.model.name not in packed.number}
@@ -162,7 +162,7 @@ class Scene:
             packed = self._packed = pack({**packed.models, **missing})
         return packed
 
-    def measure(self, hands: Sequence[Motion], objects: Sequence[Placed]) -> list[Geometry]:
+    def measure(self, hands: Sequence[Motion], objects: Sequence[PlacedObject]) -> list[Geometry]:
         """Measure every hand against every object; one :class:`Geometry` per hand."""
         count = len(objects)
         if not hands or not count:
@@ -219,7 +219,7 @@ class Scene:
             for h in range(len(hands))
         ]
 
-    def contact(self, hand: Motion, target: Placed) -> tuple[float, Vector] | None:
+    def contact(self, hand: Motion, target: PlacedObject) -> tuple[float, Vector] | None:
         """Predict when the hand is within grasping distance of an object, and where it touches.
 
         Returns
@@ -241,7 +241,7 @@ class Scene:
         x, y, z = target.rotation @ out[1:] + target.translation
         return float(out[0]), (float(x), float(y), float(z))
 
-    def impacts(self, hand: Motion, target: Placed) -> tuple[Array, Array]:
+    def impacts(self, hand: Motion, target: PlacedObject) -> tuple[Array, Array]:
         """Cast the rays of one pair again, to be drawn.
 
         Returns

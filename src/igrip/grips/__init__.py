@@ -1,5 +1,38 @@
-"""Selectors of the grip, found by name."""
+"""What a grip selector is: from where a hand is beside its target to the grip for it."""
 
-from igrip.grips.base import GRIPS, Grip, GripConfig, GripSelector
+from __future__ import annotations
 
-__all__ = ["GRIPS", "Grip", "GripConfig", "GripSelector"]
+from collections.abc import Callable, Mapping
+from typing import NamedTuple, Protocol
+
+from igrip.geometry.scene import Geometry
+from igrip.motion.trajectory import Motion
+from igrip.registry import Registry
+from igrip.settings import Settings, quantity
+from igrip.targets import TargetEstimate
+
+
+class GripConfig(Settings):
+    """Parameters of the grip selectors."""
+
+    pinch_from: float = quantity(
+        0.85, "half-lengths", "a hand this far along the axis pinches", "paper: Eq. 11", gt=0
+    )
+
+
+class Grip(NamedTuple):
+    """A grip, and the probability of each where the selector is calibrated."""
+
+    name: str | None
+    probability: Mapping[str, float] | None = None
+
+
+class GripSelector(Protocol):
+    """Selects the grip of one hand."""
+
+    def select(self, belief: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
+        """Return the grip for the target that is believed in."""
+        ...
+
+
+GRIPS: Registry[Callable[[GripConfig], GripSelector]] = Registry("grip selector", "igrip.grips")

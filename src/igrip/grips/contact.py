@@ -20,11 +20,11 @@ from igrip.compiled import kernel
 from igrip.errors import IgripError
 from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
-from igrip.grips.base import GRIPS, Grip, GripConfig
+from igrip.grips import GRIPS, Grip, GripConfig
 from igrip.grips.cylinder import CylinderGrip
-from igrip.learned import numbers, read_learned
+from igrip.learned_weights import numbers, read_learned
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import Belief
+from igrip.targets import TargetEstimate
 
 Array = NDArray[np.float64]
 WEIGHTS = Path(__file__).with_name("contact.json")
@@ -121,7 +121,7 @@ class ContactGrip:
         self._weights = weights()
         self._paper = CylinderGrip(config)
 
-    def select(self, belief: Belief, geometry: Geometry, motion: Motion) -> Grip:
+    def select(self, belief: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
         """Return the likelier grip and the probability of both; none without a target.
 
         Where the belief is no posterior there is nothing to average over: the paper's rule holds.

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.geometry.scene import Geometry
-from igrip.grips.base import GRIPS, Grip, GripConfig
+from igrip.grips import GRIPS, Grip, GripConfig
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import Belief
+from igrip.targets import TargetEstimate
 
 
 def is_pinch(
@@ -29,7 +29,7 @@ class CylinderGrip:
     def __init__(self, config: GripConfig) -> None:
         self._pinch_from = config.pinch_from
 
-    def select(self, belief: Belief, geometry: Geometry, motion: Motion) -> Grip:
+    def select(self, belief: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
         """Return the grip for the target, none without one."""
         if belief.target is None:
             return Grip(None)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Quaternion, Vector
-from igrip.motion import low_pass
-from igrip.motion.low_pass import smoothing
+from igrip.motion import one_euro_kernel as low_pass
+from igrip.motion.one_euro_kernel import smoothing
 from igrip.settings import Settings, quantity
 
 __all__ = ["OneEuroConfig", "OrientationFilter", "PoseFilter", "PositionFilter", "smoothing"]
@@ -39,7 +39,7 @@ class _Filter:
     parameters : (3,) float64
         Cutoff at rest [Hz], its growth, cutoff of the derivative [Hz].
     state : (11,) float64
-        As :mod:`igrip.motion.low_pass` lays it out.
+        As :mod:`igrip.motion.one_euro_kernel` lays it out.
     begun : bool
         Whether there was a sample.
     """

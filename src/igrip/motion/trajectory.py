@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
-from igrip.motion.quadratic import predict
-from igrip.motion.reach import Reach, ReachConfig, ReachDetector
+from igrip.motion.quadratic_fit import predict
+from igrip.motion.reach_detection import ReachConfig, ReachDetector, ReachState
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Motion(NamedTuple):
         Predicted positions [m].
     future_velocity : (m, 3)
         Predicted velocities [m/s].
-    reach : Reach
+    reach : ReachState
         Phase and course of the movement so far, from the measured samples.
     """
 
@@ -63,7 +63,7 @@ class Motion(NamedTuple):
     window_peak_speed: float | None
     future: Array
     future_velocity: Array
-    reach: Reach
+    reach: ReachState
 
 
 class Trajectory:

@@ -13,23 +13,23 @@ import numpy as np
 
 from igrip.compiled import cache_directory
 from igrip.errors import ObjectsError, UnknownModelError
-from igrip.geometry.bvh import Bvh
-from igrip.objects.model import ObjectModel, build_model
-from igrip.objects.sources import (
+from igrip.mesh.bvh import Bvh
+from igrip.objects.mesh_files import (
     MeshFile,
     Primitive,
     folder_meshes,
     parse_primitive,
     ycb_meshes,
 )
+from igrip.objects.model import ObjectModel, build_model
 
 YCB = "ycb"
 PAPER_OBJECTS = (
     "003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser",
 )  # fmt: skip
 _CACHED_BY = (
-    "objects/model.py", "objects/sources.py", "geometry/bvh.py", "geometry/within.py",
-    "geometry/ray.py", "geometry/nearest.py",
+    "objects/model.py", "objects/mesh_files.py", "mesh/bvh.py", "mesh/inscribed_spheres.py",
+    "mesh/ray.py", "mesh/nearest.py",
 )  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def load_objects(*sources: str | Path) -> Catalog:
     ----------
     *sources : str or Path
         Any number of: ``"ycb"``, the YCB set; a folder of meshes, with an optional
-        ``objects.toml`` (:class:`igrip.objects.sources.MeshOptions`); a primitive such as
+        ``objects.toml`` (:class:`igrip.objects.mesh_files.MeshOptions`); a primitive such as
         ``"box:0.07x0.16x0.21"`` or ``"cylinder:0.033x0.10"`` (radius, height) in metres.
 
     Raises

@@ -10,8 +10,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from igrip.errors import ObjectsError
-from igrip.geometry.bvh import Bvh, build_bvh, build_point_tree
-from igrip.geometry.within import inner_balls
+from igrip.mesh.bvh import Bvh, build_bvh, build_point_tree
+from igrip.mesh.inscribed_spheres import inscribed_spheres
 
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "cylinder", "box"]
@@ -41,7 +41,7 @@ class ObjectModel:
     symmetry : str
         ``none``, ``cylinder`` (any turn about z) or ``box`` (half turns about x, y, z).
     balls : (8, 4)
-        Centres and radii of balls inside it, see :func:`igrip.geometry.within.inner_balls`.
+        Centres and radii of balls inside it, see :mod:`igrip.mesh.inscribed_spheres`.
     bvh, vertex_tree : Bvh
         Trees of its triangles and of the vertices they use.
     """
@@ -121,7 +121,7 @@ def build_model(
         length=length,
         radius=radius,
         sphere=np.append(middle, reach * (1.0 + 1e-6) + 1e-9),
-        balls=inner_balls(vertices, np.asarray(mesh.faces), bvh),
+        balls=inscribed_spheres(vertices, np.asarray(mesh.faces), bvh),
         symmetry=symmetry,
         bvh=bvh,
         vertex_tree=build_point_tree(vertices[used]),

@@ -1,5 +1,58 @@
-"""Estimators of the target, found by name; one instance follows one hand."""
+"""What a targets estimator is: one instance per hand, from cues to a belief about the target."""
 
-from igrip.targets.base import TARGETS, Belief, TargetsEstimator, best_of
+from __future__ import annotations
 
-__all__ = ["TARGETS", "Belief", "TargetsEstimator", "best_of"]
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.geometry.scene import Geometry
+from igrip.motion.trajectory import Motion
+from igrip.registry import Registry
+
+Scores = NDArray[np.float64]
+
+
+class TargetEstimate(NamedTuple):
+    """What an estimator holds about the target of one hand. Arrays in the order of the objects.
+
+    Attributes
+    ----------
+    target : int or None
+        Index of the target; None: no decision.
+    scores : (o,)
+        The score by which it was chosen.
+    probability : (o + 1,) or None
+        Probability of each object and, last, of none; None if the scores are not calibrated.
+    """
+
+    target: int | None
+    scores: Scores
+    probability: Scores | None = None
+
+
+class TargetsEstimator(Protocol):
+    """Estimates the target of one hand; may remember earlier frames."""
+
+    def update(
+        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
+    ) -> TargetEstimate:
+        """Take one frame: motion of the hand, its geometry, and the scores of each cue."""
+        ...
+
+
+TARGETS: Registry[Callable[[], TargetsEstimator]] = Registry("targets estimator", "igrip.targets")
+TIE = 1e-12
+
+
+def best_of(scores: Scores) -> int | None:
+    """Return the index of the highest score; None where it is ≤ 0 or shared (SPEC §5)."""
+    values = scores.tolist()  # a few numbers: plain Python is done before numpy has begun
+    highest = max(values, default=0.0)
+    if not highest > 0.0 or any(map(math.isnan, values)):
+        return None
+    near = [o for o, value in enumerate(values) if value >= highest - TIE]
+    return near[0] if len(near) == 1 else None

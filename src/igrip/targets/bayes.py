@@ -2,7 +2,7 @@
 
 While a hand moves, the log-odds of each object are pooled: those believed so far, faded over a
 short memory and with a small chance of a change of mind, and those that a learned scorer reads off
-the movement (:mod:`igrip.targets.features`, :mod:`igrip.targets.network`). A movement is seen
+the movement (``learned.features``, ``learned.network``). A movement is seen
 through much the same features from sample to sample, so its samples are no independent witnesses;
 a product of likelihoods would be sure of itself far too soon. While a hand rests, nothing speaks
 for an object: what is believed is kept and forgotten slowly in favour of none.
@@ -20,15 +20,15 @@ import numpy as np
 from igrip.compiled import kernel
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.features import LOCAL, SHARED, describe
-from igrip.targets.network import Scorer, read_scorer
+from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
+from igrip.targets.learned.features import LOCAL, SHARED, describe
+from igrip.targets.learned.network import Scorer, read_scorer
 
-WEIGHTS = Path(__file__).with_name("bayes.json")
+WEIGHTS = Path(__file__).with_name("learned") / "bayes.json"
 CHANGE_OF_MIND = 0.1  # a second, guess
 REST_MEMORY = 1.0  # s, time constant with which a resting hand's belief is forgotten; guess
 NONE_AT_REST = 0.4  # what is then at least believed of none: it may be about to reach; guess
-LONGEST_REST = 0.1  # s between two samples; what happened in a longer gap was not seen
+MAX_REST = 0.1  # s between two samples; what happened in a longer gap was not seen
 NAMELESS = 0.97  # a moving hand has no target where none is likelier than this
 UNLIKELY = 1e-6  # no object is ever ruled out for good
 
@@ -92,7 +92,9 @@ class Bayes:
         self._belief = resting(0)
         self._t = math.nan
 
-    def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
+    def update(
+        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
+    ) -> TargetEstimate:
         """Return the probability of each object and of none.
 
         The target of a moving hand is the most probable object, unless none is likelier than 0.97:
@@ -115,12 +117,12 @@ class Bayes:
             change = -math.expm1(-CHANGE_OF_MIND * passed)
             pool(belief, self._scorer.score(local, shared), keep, change)
         elif not looks:
-            keep = math.exp(-min(passed, LONGEST_REST) / REST_MEMORY)
+            keep = math.exp(-min(passed, MAX_REST) / REST_MEMORY)
             belief[:] = keep * belief + (1.0 - keep) * resting(objects)
         best = best_of(belief[:-1])
         limit = NAMELESS if moves or best is None else float(belief[best])
         target = best if belief[-1] <= limit else None
-        return Belief(target, belief[:-1].copy(), belief.copy())
+        return TargetEstimate(target, belief[:-1].copy(), belief.copy())
 
     def _follow_objects(self, ids: list[str]) -> None:
         """Carry the belief over to the objects that are there now; what vanishes goes to none."""

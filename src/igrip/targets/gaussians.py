@@ -3,7 +3,7 @@
 A library of demonstrated reaches gives mean and covariance of the place of the hand at each step
 of time after the onset; the partial movement is classified by the product of these densities, over
 equal priors. The paper aligns demonstrations by dynamic time warping and has one library for each
-fixed place; ours is one library in the frame of the reach (:mod:`igrip.targets.library`), on
+fixed place; ours is one library in the frame of the reach (``learned.reach_library``), on
 unwarped time.
 """
 
@@ -15,8 +15,8 @@ import numpy as np
 
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, Witness, learned, log_volume
+from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
+from igrip.targets.learned.reach_library import Follower, Witness, learned, log_volume
 
 
 class Gaussians:
@@ -30,17 +30,19 @@ class Gaussians:
         self._log_size = 0.5 * np.linalg.slogdet(self._precision)[1]
         self._follower, self._witness = Follower(), Witness(self._step)
 
-    def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
+    def update(
+        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
+    ) -> TargetEstimate:
         """Return the object whose reach the movement so far fits best."""
         seen = self._follower.update(motion, geometry)
         if seen is None:
             shares = self._witness.shares(geometry)
-            return Belief(best_of(shares), shares)
+            return TargetEstimate(best_of(shares), shares)
         k = min(round(seen.elapsed / self._step), len(self._mean) - 1)
         off = seen.place - self._mean[k]
         fit = -0.5 * np.einsum("oi,ij,oj->o", off, self._precision[k], off) + self._log_size[k]
         shares = self._witness.hear(geometry, seen, fit - log_volume(seen))
-        return Belief(best_of(shares), shares)
+        return TargetEstimate(best_of(shares), shares)
 
 
 TARGETS.register("gaussians")(Gaussians)

@@ -2,7 +2,7 @@
 
 A mixture over time and place together is fitted to demonstrated reaches, and a partial movement is
 classified by the likelihood of its samples under the mixture of each class. The paper has a mixture
-for each motion class; ours is one in the frame of the reach (:mod:`igrip.targets.library`).
+for each motion class; ours is one in the frame of the reach (``learned.reach_library``).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, Witness, learned, log_volume
+from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
+from igrip.targets.learned.reach_library import Follower, Witness, learned, log_volume
 
 STEP = 1.0 / 30.0  # s that a sample stands for
 
@@ -31,18 +31,20 @@ class Mixtures:
         self._log_weight = np.log(weight) + 0.5 * np.linalg.slogdet(precision)[1]
         self._follower, self._witness = Follower(), Witness(STEP)
 
-    def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
+    def update(
+        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
+    ) -> TargetEstimate:
         """Return the object under whose reach the samples so far are likeliest."""
         seen = self._follower.update(motion, geometry)
         if seen is None:
             shares = self._witness.shares(geometry)
-            return Belief(best_of(shares), shares)
+            return TargetEstimate(best_of(shares), shares)
         at = np.column_stack([np.full(len(seen.place), seen.elapsed), seen.place])
         off = np.einsum("okj,kji->oki", at[:, None] - self._mean, self._root)
         each = self._log_weight - 0.5 * (off**2).sum(axis=2)
         fit = np.logaddexp.reduce(each, axis=1) - log_volume(seen)
         shares = self._witness.hear(geometry, seen, fit)
-        return Belief(best_of(shares), shares)
+        return TargetEstimate(best_of(shares), shares)
 
 
 TARGETS.register("mixtures")(Mixtures)

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
-from igrip.targets.base import TARGETS, Belief, Scores, best_of
-from igrip.targets.library import Follower, learned
+from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
+from igrip.targets.learned.reach_library import Follower, learned
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,9 @@ class Templates:
         self._profile = [(0.0, 0.0)]
         self._apart = np.zeros(len(self._distances))
 
-    def update(self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]) -> Belief:
+    def update(
+        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
+    ) -> TargetEstimate:
         """Return the object next to the predicted end."""
         seen = self._follower.update(motion, geometry)
         if seen is None:  # a hand that has stopped keeps the end that was predicted
@@ -58,15 +60,15 @@ class Templates:
         return self._next_to(self._end, geometry)
 
     @staticmethod
-    def _next_to(end: Array | None, geometry: Geometry) -> Belief:
+    def _next_to(end: Array | None, geometry: Geometry) -> TargetEstimate:
         """Score each object by the least distance from the predicted end over its own."""
         if end is None or not geometry.objects:
-            return Belief(None, np.zeros(len(geometry.objects)))
+            return TargetEstimate(None, np.zeros(len(geometry.objects)))
         away = np.linalg.norm(
             geometry.cylinders()[:, cylinder.MIDDLE : cylinder.AXIS] - end, axis=1
         )
         scores = away.min() / np.maximum(away, 1e-9)
-        return Belief(best_of(scores), scores)
+        return TargetEstimate(best_of(scores), scores)
 
 
 TARGETS.register("templates")(Templates)

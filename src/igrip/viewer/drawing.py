@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from igrip.geometry.scene import Placed
+from igrip.geometry.scene import PlacedObject
 from igrip.viewer.snapshot import HandSnapshot, Snapshot, rays_of
 
 COLOURS = (
@@ -92,7 +92,7 @@ class SceneDrawing:
             del self._seen[thing]
             self.colours.pop(unquote(thing.split("/")[2]), None)
 
-    def _draw_object(self, placed: Placed, is_target: bool) -> None:
+    def _draw_object(self, placed: PlacedObject, is_target: bool) -> None:
         name = _path("objects", placed.id)
         if placed.id not in self.colours:
             used = list(self.colours.values())
@@ -182,7 +182,7 @@ def _path(kind: str, id: str) -> str:
     return f"/{kind}/{quote(id, safe='')}"
 
 
-def _top(placed: Placed) -> NDArray[np.float64]:
+def _top(placed: PlacedObject) -> NDArray[np.float64]:
     """Return the end of the object's cylinder that is higher in the world, mesh frame [m]."""
     model = placed.model
     up = 1.0 if (placed.rotation @ model.axis)[2] >= 0.0 else -1.0

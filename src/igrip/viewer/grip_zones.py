@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from igrip.lab.report.matplotlib_figure import new_figure
 from igrip.objects.model import ObjectModel
-from igrip.plots import new_figure
 from igrip.viewer.zones import grip_zones
 
 PALMAR, PINCH = "#5a82d8", "#d35ac0"

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.describe import describe
 from igrip.errors import MissingExtraError
-from igrip.geometry.scene import Placed
+from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.rgbd import RgbdFrame
-from igrip.words import describe
 
 Array = NDArray[np.float64]
 BONES = (
@@ -31,7 +31,7 @@ NEAREST = 0.05  # m ahead of the camera; what is nearer has no outline
 def draw_overlay(
     frame: RgbdFrame,
     landmarks: Mapping[str, Array],
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     intentions: Sequence[Intention],
     width: int = 640,
 ) -> NDArray[np.uint8]:
@@ -43,7 +43,7 @@ def draw_overlay(
         Where they were seen.
     landmarks : mapping of str to (21, 2)
         Of each hand [pixels].
-    objects : sequence of Placed
+    objects : sequence of PlacedObject
         World frame.
     intentions : sequence of Intention
         The newest of each hand.
@@ -79,7 +79,7 @@ def draw_overlay(
     return drawn
 
 
-def outline_of(frame: RgbdFrame, placed: Placed) -> Array | None:
+def outline_of(frame: RgbdFrame, placed: PlacedObject) -> Array | None:
     """Return the convex outline of an object in the picture, (n, 2) pixels.
 
     None where it is not wholly ahead of the camera, or not in the picture at all.

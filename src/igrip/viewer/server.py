@@ -18,17 +18,17 @@ from typing import Any
 
 import rich
 
+from igrip.describe import describe
 from igrip.errors import MissingExtraError
 from igrip.viewer.choices import Choices
-from igrip.viewer.courses import CoursesPanels, courses_of
 from igrip.viewer.drawing import SceneDrawing
 from igrip.viewer.snapshot import Snapshot
-from igrip.words import describe
+from igrip.viewer.time_courses import CoursesPanels, courses_of
 
 log = logging.getLogger(__name__)
 
 HISTORY = 10.0  # seconds of time courses
-MOST_MOMENTS = 1000  # kept for them, whatever the rate
+MAX_MOMENTS = 1000  # kept for them, whatever the rate
 COURSES_EVERY = 0.25  # seconds between two drawings of the time courses
 KEY = (
     "Large spheres: hands. Small red ones: where a hand was; green: where it is expected in the "
@@ -70,7 +70,7 @@ class Viewer:
     ) -> None:
         self._server: Any = open_server(host, port)
         self._newest: Snapshot | None = None
-        self._history: deque[Snapshot] = deque(maxlen=MOST_MOMENTS)
+        self._history: deque[Snapshot] = deque(maxlen=MAX_MOMENTS)
         self._wake = threading.Condition()
         self._closed = False
         self.dropped = self.drawn = 0
@@ -107,7 +107,7 @@ class Viewer:
     def show_film(self, moments: Sequence[Snapshot], index: int) -> None:
         """Show one moment of a film, with the time courses up to it; returns at once."""
         first = index
-        while first > max(0, index + 1 - MOST_MOMENTS) and (
+        while first > max(0, index + 1 - MAX_MOMENTS) and (
             moments[index].t - moments[first - 1].t <= HISTORY
         ):
             first -= 1

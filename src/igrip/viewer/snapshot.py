@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.estimator import Estimator
-from igrip.geometry.scene import Placed, Scene
+from igrip.geometry.scene import PlacedObject, Scene
 from igrip.intention import Intention
 from igrip.motion.trajectory import Motion
 
@@ -29,14 +29,14 @@ class HandSnapshot:
         Its filtered positions in the window, the newest last [m].
     motion : Motion or None
         Its motion; None while it is not known.
-    target : Placed or None
+    target : PlacedObject or None
         The object decided for.
     """
 
     intention: Intention
     past: Array
     motion: Motion | None
-    target: Placed | None
+    target: PlacedObject | None
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Snapshot:
     ----------
     t : float
         On the clock of the messages [s].
-    objects : sequence of Placed
+    objects : sequence of PlacedObject
         The usable objects.
     hands : sequence of HandSnapshot
         All hands that are followed.
@@ -56,7 +56,7 @@ class Snapshot:
     """
 
     t: float
-    objects: Sequence[Placed]
+    objects: Sequence[PlacedObject]
     hands: Sequence[HandSnapshot]
     scene: Scene
 

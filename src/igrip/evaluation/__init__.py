@@ -1,1 +1,0 @@
-"""How well an estimator does on recordings: pure functions from arrays to arrays."""

@@ -1,0 +1,1 @@
+"""Files and tables: recordings, datasets, importers; nothing here estimates anything."""

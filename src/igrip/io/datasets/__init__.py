@@ -1,0 +1,1 @@
+"""Datasets: a folder of recordings with a table of trials."""

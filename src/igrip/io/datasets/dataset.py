@@ -1,0 +1,213 @@
+"""Datasets: a folder of recordings with a table of trials (DESIGN §4)."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from igrip.errors import DatasetError, RecordingError
+from igrip.io.datasets.trial import COLUMNS, Trial, read_trials
+from igrip.io.recordings.files import ENDINGS
+from igrip.io.recordings.jsonl import JsonlWriter
+from igrip.observation import Observation
+
+__all__ = ["Dataset", "DatasetWriter", "Trial"]
+
+FORMAT = "igrip-dataset/1"
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A dataset as it lies on disk.
+
+    Attributes
+    ----------
+    path : Path
+        Its folder.
+    description : mapping
+        The content of ``dataset.json``.
+    trials : sequence of Trial
+        In the order of the table.
+    """
+
+    path: Path
+    description: Mapping[str, Any]
+    trials: Sequence[Trial]
+
+    @property
+    def name(self) -> str:
+        """Name of the dataset."""
+        return str(self.description.get("name", self.path.name))
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """Sources of its objects, for :func:`igrip.load_objects`; ``ycb`` unless it names others.
+
+        A source that names a folder inside the dataset is returned with the dataset's path.
+        """
+        named = self.description.get("objects", ["ycb"])
+        return tuple(str(self.path / s) if (self.path / s).is_dir() else str(s) for s in named)
+
+    @classmethod
+    def open(cls, path: str | Path, lenient: bool = False) -> Dataset:
+        """Read a dataset's description and table of trials.
+
+        Parameters
+        ----------
+        path : str or Path
+            Its folder.
+        lenient : bool
+            Whether a bad number in a row becomes the ``problem`` of that row, instead of an error.
+
+        Raises
+        ------
+        DatasetError
+            If a file is missing or malformed; the message names file, row and column.
+        """
+        folder = Path(path)
+        description = _read_description(folder / "dataset.json")
+        return cls(folder, description, read_trials(folder / "trials.tsv", lenient))
+
+    def recording(self, trial: Trial) -> Path:
+        """Return the file of a trial's recording.
+
+        Raises
+        ------
+        RecordingError
+            If there is none.
+        """
+        _plain_name(trial.recording)
+        for ending in ENDINGS:
+            path = self.path / "recordings" / f"{trial.recording}{ending}"
+            if path.is_file():
+                return path
+        raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")
+
+
+class DatasetWriter:
+    """Writes a dataset: the recordings as they come, the tables when it is closed.
+
+    It grows in a hidden folder beside its own, which takes its name at the end: a dataset is there
+    as a whole or not at all. As a context manager it leaves nothing behind when it is not closed.
+
+    Parameters
+    ----------
+    path : str or Path
+        A folder that does not exist yet, or is empty.
+    name, license, source : str
+        For ``dataset.json``.
+    **description
+        Further entries of it, for example ``objects``.
+
+    Raises
+    ------
+    DatasetError
+        If the folder holds something already.
+    """
+
+    def __init__(
+        self, path: str | Path, name: str, license: str, source: str, **description: Any
+    ) -> None:
+        self._final = Path(path)
+        if self._final.exists() and (not self._final.is_dir() or any(self._final.iterdir())):
+            raise DatasetError(f"{self._final}: exists already; name a new folder")
+        self._final.parent.mkdir(parents=True, exist_ok=True)
+        self.path = Path(tempfile.mkdtemp(dir=self._final.parent, prefix=f".{self._final.name}-"))
+        self._description = {
+            "format": FORMAT, "name": name, "license": license, "source": source, **description,
+        }  # fmt: skip
+        self._trials: list[Trial] = []
+        (self.path / "recordings").mkdir()
+
+    def add(self, trial: Trial, observations: Iterable[Observation]) -> None:
+        """Write one recording and remember its row.
+
+        Raises
+        ------
+        DatasetError
+            If the recording's name is not plain, or was given before.
+        """
+        _plain_name(trial.recording)
+        if (self.path / "recordings" / f"{trial.recording}.jsonl").exists():
+            raise DatasetError(f"two recordings are named {trial.recording!r}")
+        with JsonlWriter(self.path / "recordings" / f"{trial.recording}.jsonl") as file:
+            for observation in observations:
+                file.write(observation)
+        self._trials.append(trial)
+
+    def close(self, participants: Mapping[str, Mapping[str, str]] | None = None) -> Dataset:
+        """Write the tables and return the dataset.
+
+        Parameters
+        ----------
+        participants : mapping, optional
+            Further columns of ``participants.tsv``, by participant.
+        """
+        text = json.dumps(self._description, indent=2, ensure_ascii=False)
+        (self.path / "dataset.json").write_text(text + "\n", encoding="utf-8")
+        more = sorted({name for trial in self._trials for name in trial.extra})
+        rows = []
+        for trial in self._trials:
+            row = asdict(trial)
+            row.update(row.pop("extra"))
+            row.pop("problem")
+            rows.append(row)
+        _write_table(self.path / "trials.tsv", [*COLUMNS, *more], rows)
+        known = dict(participants or {})
+        names = list(dict.fromkeys(t.participant for t in self._trials if t.participant))
+        columns = sorted({column for row in known.values() for column in row})
+        people = [{"participant": name, **known.get(name, {})} for name in names]
+        _write_table(self.path / "participants.tsv", ["participant", *columns], people)
+        self.path.chmod(0o755)  # a temporary folder is private
+        os.replace(self.path, self._final)
+        self.path = self._final
+        return Dataset(self.path, self._description, tuple(self._trials))
+
+    def __enter__(self) -> DatasetWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.path != self._final:  # not closed: leave nothing behind
+            shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _plain_name(name: str) -> None:
+    """Refuse a name that would lead out of its folder."""
+    if not name or name in (".", "..") or any(c in name for c in "/\\\0") or name.startswith("."):
+        raise DatasetError(f"a recording cannot be named {name!r:.80}")
+
+
+def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns, delimiter="\t", lineterminator="\n", restval="")
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({key: "" if row.get(key) is None else row[key] for key in columns})
+
+
+def _read_description(path: Path) -> Mapping[str, Any]:
+    try:
+        description = json.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise DatasetError(f"{path.parent}: is no dataset, it has no dataset.json") from None
+    except (OSError, ValueError) as error:
+        raise DatasetError(f"{path}: {error}") from error
+    if not isinstance(description, dict) or description.get("format") != FORMAT:
+        raise DatasetError(f"{path}: its format must be {FORMAT!r}")
+    objects = description.get("objects", [])
+    if not isinstance(objects, list) or not all(isinstance(source, str) for source in objects):
+        raise DatasetError(f"{path}: objects must be a list of strings")
+    return description

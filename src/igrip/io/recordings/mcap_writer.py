@@ -1,0 +1,268 @@
+"""Recordings as MCAP: frames of cameras and messages in one file, whole up to the last half second.
+
+Topics: ``/CAMERA/colour``, ``/CAMERA/depth``, ``/CAMERA/calibration``, ``/CAMERA/annotations``,
+``/tf`` (protobuf, as Foxglove draws them), ``/observations``, ``/intentions``, ``/events``,
+``/detections`` (JSON, each message the very line of a ``.jsonl``). Times are those of the data, on
+one monotonic clock.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import msgspec
+
+from igrip.errors import MissingExtraError, RecordingError
+from igrip.io.recordings import foxglove
+from igrip.io.recordings.mcap_reader import McapReader
+from igrip.io.recordings.messages import Detections, Event, Message, schema_of, topic_of
+from igrip.io.recordings.sink import Sink
+from igrip.rgbd import RgbdFrame
+from igrip.version import __version__
+
+__all__ = ["McapReader", "McapWriter"]
+
+log = logging.getLogger(__name__)
+
+FLUSH_EVERY = 0.4  # s; so that with the work itself no more than half a second is lost
+CHUNK = 8 << 20  # bytes; so large that flushing makes the chunks, and few need an index in memory
+SETTLED = 1.0  # s; calibration and place are told again so often, for readers that seek
+
+
+class McapWriter:
+    """Writes frames and messages to an ``.mcap`` file; may be used from several threads.
+
+    Twice a second all that was written leaves the process, and a thread of its own has it put on
+    the disk, so a crash or a kill costs at most half a second. After an error of the disk the file
+    is cut back to its last whole record and stays readable.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; an existing one is replaced.
+    depth_unit : float
+        What one count of a depth picture means [m]; depths beyond 65535 of it become 0.
+    lossless : bool
+        Whether colour is PNG (several times larger, and slower) instead of JPEG.
+
+    Raises
+    ------
+    RecordingError
+        If the file cannot be opened; while writing, if the disk is full or fails.
+    MissingExtraError
+        If the package ``mcap`` is not installed.
+
+    Examples
+    --------
+    >>> with McapWriter("reach.mcap") as file:  # doctest: +SKIP
+    ...     file.write_frame(frame)
+    ...     file.write(observation)
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        depth_unit: float = foxglove.DEPTH_UNIT,
+        lossless: bool = False,
+    ) -> None:
+        try:
+            from mcap.writer import Writer
+        except ImportError:
+            raise MissingExtraError("mcap", "mcap", "MCAP recordings") from None
+        self.path = Path(path)
+        self._unit, self._lossless = depth_unit, lossless
+        self._sink = Sink(path)
+        self._lock = threading.Lock()  # of the writer, the sink and all below
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        self._counts: dict[str, int] = defaultdict(int)
+        self._settled: dict[str, tuple[float, Any]] = {}
+        self._failure: RecordingError | None = None
+        self._told = self._fresh = False
+        self._flushed = time.monotonic()
+        self._writer = Writer(self._sink, chunk_size=CHUNK)
+        self._do(partial(self._writer.start, "", f"igrip {__version__}"))
+        self._do(partial(self._writer.add_metadata, "igrip", {"version": __version__,
+                 "clock": "monotonic", "depth_unit_m": repr(depth_unit)}))  # fmt: skip
+        self._closed = threading.Event()
+        self._flusher = threading.Thread(target=self._keep_flushing, daemon=True)
+        self._flusher.start()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many messages were written, by topic."""
+        with self._lock:
+            return dict(self._counts)
+
+    @property
+    def size(self) -> int:
+        """How much of the file has left the process [bytes]."""
+        return self._sink.tell()
+
+    def write(self, message: Message, **more: Any) -> None:
+        """Append one message; further fields are added to its JSON.
+
+        Raises
+        ------
+        RecordingError
+            If the disk is full or fails, now or since the last call.
+        """
+        data = message.to_json()
+        if more:
+            data = msgspec.json.encode(msgspec.json.decode(data) | more)
+        self._put(topic_of(message), message.t, data)
+        if isinstance(message, Detections):
+            drawn = foxglove.encode_annotations(message)
+            self._put(f"/{message.camera}/annotations", message.t, drawn)
+
+    def write_frame(self, frame: RgbdFrame) -> None:
+        """Append one frame; it is encoded in the thread that calls.
+
+        Raises
+        ------
+        RecordingError
+            If the disk is full or fails, now or since the last call.
+        """
+        if frame.camera.strip("/") != frame.camera or not frame.camera:
+            raise RecordingError(f"{self.path}: a camera cannot be named {frame.camera!r}")
+        colour = foxglove.encode_colour(frame, self._lossless)
+        depth = None if frame.depth is None else foxglove.encode_depth(frame, self._unit)
+        place = (frame.intrinsics, frame.world_from_camera.tobytes())
+        since, settled = self._settled.get(frame.camera, (0.0, None))
+        if settled != place or not 0.0 <= frame.t - since < SETTLED:
+            self._settled[frame.camera] = frame.t, place
+            self._put("/tf", frame.t, foxglove.encode_place(frame))
+            topic = f"/{frame.camera}/calibration"
+            self._put(topic, frame.t, foxglove.encode_calibration(frame))
+        if depth is not None:  # before colour, which completes a frame
+            self._put(f"/{frame.camera}/depth", frame.t, depth)
+        self._put(f"/{frame.camera}/colour", frame.t, colour)
+
+    def write_event(self, t: float, name: str, **data: Any) -> None:
+        """Append an event."""
+        self.write(Event(t=t, name=name, data=data))
+
+    def close(self) -> None:
+        """Finish and close the file.
+
+        Raises
+        ------
+        RecordingError
+            If the disk failed and no call has told so yet.
+        """
+        if self._closed.is_set():
+            return
+        self._closed.set()
+        self._flusher.join()
+        with self._lock:
+            for work in (self._writer.flush, self._writer.finish, self._sink.sync):
+                if self._failure is None:
+                    self._do(work)
+            self._sink.close()
+            if self._failure is not None and not self._told:
+                self._told = True
+                raise self._failure
+
+    def __enter__(self) -> McapWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            self.close()
+        except RecordingError:
+            if error is None:  # else what ended the work is told, which may be this
+                raise
+
+    def _put(self, topic: str, t: float, data: bytes) -> None:
+        with self._lock:
+            if self._closed.is_set():
+                raise RecordingError(f"{self.path}: is closed")
+            if self._failure is None:
+                self._do(partial(self._add, topic, foxglove.nanoseconds(t), data))
+            if self._failure is not None:
+                self._told = True
+                raise self._failure
+
+    def _add(self, topic: str, ns: int, data: bytes) -> None:
+        channel = self._channels.get(topic) or self._register(topic)
+        self._counts[topic] += 1  # a gap in the sequence tells a reader what was lost
+        self._writer.add_message(channel, ns, data, ns, self._counts[topic])
+        self._fresh = True
+        if time.monotonic() - self._flushed >= FLUSH_EVERY:  # the thread may wait for the disk
+            self._flush()
+
+    def _flush(self) -> None:
+        self._writer.flush()
+        self._fresh, self._flushed = False, time.monotonic()
+
+    def _register(self, topic: str) -> int:
+        kinds = {
+            "calibration": "CameraCalibration",
+            "annotations": "ImageAnnotations",
+            "tf": "FrameTransform",
+        }
+        last = topic.rpartition("/")[2]
+        if topic.count("/") > 1 or topic == "/tf":
+            kind = foxglove.schema(kinds.get(last, "CompressedImage"))
+            name, encoding, description, form = kind.name, "protobuf", kind.description, "protobuf"
+        else:
+            (name, description), encoding, form = schema_of(topic), "jsonschema", "json"
+        if name not in self._schemas:
+            self._schemas[name] = self._writer.register_schema(name, encoding, description)
+        more = {"depth_unit_m": repr(self._unit)} if last == "depth" else {}
+        self._channels[topic] = self._writer.register_channel(
+            topic, form, self._schemas[name], more
+        )
+        return self._channels[topic]
+
+    def _do(self, work: Callable[[], Any]) -> None:
+        """Have the writer do something; after an error the file is as it was before."""
+        try:
+            work()
+            self._sink.mark()
+        except OSError as error:
+            self._failure = RecordingError(
+                f"{self.path}: {error.strerror or error}; what was recorded before can be read"
+            )
+            log.error(str(self._failure))
+            self._cut_back()
+        except BaseException:  # Ctrl-C in the middle of a record
+            self._failure = RecordingError(f"{self.path}: interrupted")
+            self._cut_back()
+            raise
+
+    def _cut_back(self) -> None:
+        try:
+            self._sink.cut_back()
+        except OSError as error:  # the reader stops before a part of a record
+            log.error(f"{self.path}: cannot be cut back: {error}")
+
+    def _keep_flushing(self) -> None:
+        synced = 0
+        while not self._closed.wait(FLUSH_EVERY):
+            with self._lock:
+                if self._failure is not None:
+                    return
+                if self._fresh:
+                    self._do(self._flush)
+            if self._sink.tell() == synced:
+                continue
+            synced = self._sink.tell()
+            try:
+                self._sink.sync()  # not under the lock: it may take long
+            except OSError as error:
+                with self._lock:
+                    self._failure = RecordingError(f"{self.path}: {error.strerror or error}")

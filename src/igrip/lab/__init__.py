@@ -1,0 +1,1 @@
+"""The experiment: simulation, evaluation, report."""

@@ -1,0 +1,1 @@
+"""Rendered depth pictures of meshes on a table."""

@@ -1,0 +1,118 @@
+"""Where things are in a rendered scene: on the table, apart, and a camera that looks at them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from igrip.objects.model import ObjectModel
+from igrip.objects.stable_poses import stable_poses
+from igrip.settings import Settings, quantity
+
+Array = NDArray[np.float64]
+TRIES, SAME_TURN = 600, 20
+
+
+class LayoutConfig(Settings):
+    """How objects are strewn and where the camera stands.
+
+    Attributes
+    ----------
+    distance, elevation : 2 floats
+        Ranges of the camera's distance from the middle of the scene [m] and of the angle at which
+        it looks down [degrees]; a demonstrator on a tripod, guess.
+    """
+
+    width: float = quantity(0.60, "m", "objects stand within it, left to right", "guess", gt=0)
+    depth: float = quantity(0.40, "m", "and within it, away from the camera", "guess", gt=0)
+    apart: float = quantity(0.03, "m", "least gap between two objects", "the stated bar", ge=0)
+    lying: float = quantity(0.3, "1", "probability that an object does not stand", "guess", ge=0)
+    distance: tuple[float, float] = (0.7, 1.0)
+    elevation: tuple[float, float] = (30.0, 50.0)
+
+
+@dataclass(frozen=True)
+class PlacedMesh:
+    """A mesh and its pose, shape (4, 4), world from mesh."""
+
+    model: ObjectModel
+    pose: Array
+
+
+def strew(
+    models: Sequence[ObjectModel], config: LayoutConfig, random: np.random.Generator
+) -> list[PlacedMesh]:
+    """Put objects on the table z = 0, each at least ``config.apart`` from the others.
+
+    Raises
+    ------
+    ValueError
+        If they do not fit.
+    """
+    placed: list[PlacedMesh] = []
+    taken: list[cKDTree] = []
+    for model in models:
+        ways = stable_poses(model.vertices, model.centre)
+        lies = len(ways.heights) > 1 and random.random() < config.lying
+        way = 0
+        if lies:
+            chances = ways.probabilities[1:] / ways.probabilities[1:].sum()
+            way = 1 + int(random.choice(len(chances), p=chances))
+        for turn in range(TRIES):
+            if turn % SAME_TURN == 0:  # what it covers moves along with it: computed once a turn
+                pose = np.eye(4)
+                pose[:3, :3] = _about_z(random.uniform(-np.pi, np.pi)) @ ways.rotations[way]
+                pose[2, 3] = ways.heights[way]
+                middle = pose[:3, :3] @ model.sphere[:3]
+                covers = footprint(model, pose)
+            spot = np.array([config.width, config.depth]) * (random.random(2) - 0.5) - middle[:2]
+            covered = covers + spot
+            gaps = [float(np.min(tree.query(covered)[0])) for tree in taken]
+            if all(gap >= config.apart + 0.004 for gap in gaps):  # footprints are 4 mm coarse
+                pose[:2, 3] = spot
+                placed.append(PlacedMesh(model, pose))
+                taken.append(cKDTree(covered))
+                break
+        else:
+            raise ValueError(f"{model.name}: no room left on the table")
+    return placed
+
+
+def footprint(model: ObjectModel, pose: Array) -> Array:
+    """Return what a mesh covers of the table, from above: points 4 mm apart, shape (n, 2)."""
+    triangles = model.vertices[model.faces]
+    points = np.concatenate([model.vertices, triangles.mean(axis=1)])
+    flat = (points @ pose[:3, :3].T + pose[:3, 3])[:, :2]
+    cells: Array = np.unique(np.round(flat / 0.004), axis=0) * 0.004
+    return cells
+
+
+def looking_camera(config: LayoutConfig, random: np.random.Generator) -> Array:
+    """Return world-from-camera, shape (4, 4), of a camera in front of the table (at -y)."""
+    distance = random.uniform(*config.distance)
+    elevation = np.radians(random.uniform(*config.elevation))
+    azimuth = np.radians(random.uniform(-20.0, 20.0))
+    away = np.array([
+        np.cos(elevation) * np.sin(azimuth), -np.cos(elevation) * np.cos(azimuth), np.sin(elevation)
+    ])  # fmt: skip
+    return look_at(np.array([0.0, 0.0, 0.07]) + distance * away, np.array([0.0, 0.0, 0.07]))
+
+
+def look_at(eye: Array, target: Array) -> Array:
+    """Return world-from-camera of a level camera at ``eye`` that looks at ``target``."""
+    ahead = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right = right / np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([right, np.cross(ahead, right), ahead], axis=1)
+    pose[:3, 3] = eye
+    return pose
+
+
+def _about_z(angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,118 @@
+"""Keeps count of what was said during the tasks of the demo."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from igrip.describe import describe
+from igrip.intention import Intention
+from igrip.lab.simulation.demo import Moment, Task
+
+
+class Events:
+    """Says when a hand's status or its lease changes, and why."""
+
+    def __init__(self) -> None:
+        self._before: dict[str, tuple[str, str | None]] = {}
+
+    def take(self, intentions: list[Intention]) -> list[str]:
+        """Return a line for each change."""
+        lines = []
+        for intention in intentions:
+            lease = intention.commitment.target if intention.commitment else None
+            now = (intention.status, lease)
+            before = self._before.get(intention.hand)
+            self._before[intention.hand] = now
+            if before in (None, now):
+                continue
+            words = "" if lease is None else f"; a device may act on {lease}"
+            if lease is None and before is not None and before[1] is not None:
+                words = f"; the lease on {before[1]} ends"
+            lines.append(f"  {intention.t:7.2f} s  {describe(intention)}{words}")
+        return lines
+
+
+class DemoScore:
+    """Compares intentions with tasks, one reach at a time.
+
+    A reach counts as right if the last answer before its end was; the target was found with the
+    first of the right answers that lasted to the end.
+    """
+
+    def __init__(self) -> None:
+        self.reaches: list[dict[str, Any]] = []
+        self._task: Task | None = None
+        self._found: float | None = None
+        self._last: Intention | None = None
+
+    def take(self, moment: Moment, intentions: list[Intention]) -> str | None:
+        """Take one message's intentions; return a line of text when a reach has ended."""
+        task, t = moment.task, moment.observation.t
+        if task is not self._task and t < task.end:
+            self._task, self._found, self._last = task, None, None
+        if self._task is None:
+            return None
+        if t > task.end:
+            return self._finish()
+        for intention in intentions:
+            if intention.hand != task.hand or t < task.onset:
+                continue
+            self._last = intention
+            if intention.target != task.target:
+                self._found = None
+            elif self._found is None:
+                self._found = t
+        return None
+
+    def _finish(self) -> str | None:
+        task, last = self._task, self._last
+        self._task = None
+        if task is None or last is None:
+            return None
+        target_right = last.target == task.target
+        grip_right = last.grip == task.grip
+        found = None if self._found is None else self._found - task.onset
+        self.reaches.append(
+            {
+                "hand": task.hand,
+                "target": task.target,
+                "grip": task.grip,
+                "said_target": last.target,
+                "said_grip": last.grip,
+                "target_right": target_right,
+                "grip_right": grip_right,
+                "found_after_s": found,
+                "movement_s": task.end - task.onset,
+            }
+        )
+        mark = "✓" if target_right and grip_right else "✗"
+        when = (
+            "" if found is None else f", found after {found:.2f} of {task.end - task.onset:.2f} s"
+        )
+        return (
+            f"{mark} {task.hand} hand to {task.target}, {task.grip}: "
+            f"said {last.target}, {last.grip}{when}"
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Return the counts, and each reach, as plain data."""
+        found = [r["found_after_s"] / r["movement_s"] for r in self.reaches if r["target_right"]]
+        return {
+            "reaches": len(self.reaches),
+            "targets_right": sum(r["target_right"] for r in self.reaches),
+            "grips_right": sum(r["grip_right"] for r in self.reaches),
+            "found_at_part_of_movement": sum(found) / len(found) if found else None,
+            "each": self.reaches,
+        }
+
+    def words(self) -> str:
+        """Return the counts in one sentence."""
+        s = self.summary()
+        if not s["reaches"]:
+            return "no reach has ended yet"
+        part = s["found_at_part_of_movement"]
+        when = "" if part is None else f"; found for good at {part:.0%} of the movement on average"
+        return (
+            f"{s['reaches']} reaches: {s['targets_right']} targets and {s['grips_right']} grips "
+            f"right at the end{when}"
+        )

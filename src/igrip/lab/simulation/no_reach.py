@@ -1,0 +1,125 @@
+"""Minutes without a reach: idle hands, gestures, passing by, carrying things about."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.lab.simulation.minimum_jerk import reach
+from igrip.lab.simulation.movement import sway, tremor
+from igrip.lab.simulation.parameters import Cohort
+from igrip.lab.simulation.sensors import Poses
+from igrip.lab.simulation.table import Table
+
+Array = NDArray[np.float64]
+KINDS = ("idle", "gesture", "passing", "carrying")
+
+
+@dataclass(frozen=True)
+class NoReach:
+    """A scene in which nothing is reached for.
+
+    Attributes
+    ----------
+    times : (n,)
+        Of the frames [s].
+    palms : dict of str to (n, 3)
+        Both palms [m].
+    hand : str
+        The hand that moves most.
+    moving : dict of str to function
+        Poses of objects that do not rest.
+    """
+
+    times: Array
+    palms: Mapping[str, Array]
+    hand: str
+    moving: Mapping[str, Poses]
+
+
+def draw_no_reach(
+    kind: str,
+    table: Table,
+    cohort: Cohort,
+    rest: Mapping[str, Array],
+    seconds: float,
+    random: np.random.Generator,
+) -> NoReach:
+    """Draw one scene.
+
+    Parameters
+    ----------
+    kind : str
+        One of :data:`KINDS`.
+    table : Table
+        The objects, which are there all the same.
+    cohort : Cohort
+        All parameters.
+    rest : mapping of str to (3,)
+        Where each palm rests [m].
+    seconds : float
+        How long it lasts.
+    """
+    times = np.arange(0.0, seconds, 1.0 / cohort.protocol.rate)
+    hand = ("left", "right")[int(random.integers(2))]
+    palms = {
+        side: rest[side] + sway(cohort.person, times, random) + tremor(cohort.person, times, random)
+        for side in rest
+    }
+    moving: dict[str, Poses] = {}
+    if kind == "idle":
+        for side in rest:  # small adjustments of the posture
+            palms[side] += _wander(times, 6.0, lambda: random.normal(0.0, 0.02, 3), random)
+    elif kind == "gesture":
+        low, high = np.array([-0.15, 0.0, 0.08]), np.array([0.15, 0.14, 0.35])
+        palms[hand] += _wander(times, 1.6, lambda: random.uniform(low, high), random)
+    elif kind == "passing":
+        palms[hand] = _pass_by(times, rest[hand], random) + palms[hand] - rest[hand]
+    else:
+        id = list(table.models)[int(random.integers(len(table.models)))]
+        held = table.grasp_point(id, "palmar", rest[hand], cohort.protocol)
+        way = _wander(
+            times, 2.2, lambda: random.uniform([-0.2, -0.2, 0.03], [0.2, 0.1, 0.2]), random
+        )
+        palms[hand] = held + way + palms[hand] - rest[hand]
+        rotation, place = table.rotation(id), table.places[id]
+
+        def carried(t: float) -> tuple[Array, Array]:
+            moved = [np.interp(t, times, way[:, axis]) for axis in range(3)]
+            return rotation, place + np.array(moved)
+
+        moving[id] = carried
+    return NoReach(times, palms, hand, moving)
+
+
+def _wander(times: Array, pause: float, draw: object, random: np.random.Generator) -> Array:
+    """Return a walk of minimum-jerk moves between drawn points, with pauses, shape (n, 3) [m]."""
+    walk = np.zeros((len(times), 3))
+    here, t = np.zeros(3), float(random.uniform(0.3, 1.0 + pause))
+    while t < times[-1]:
+        there = np.asarray(draw())  # type: ignore[operator]
+        lasts = float(random.uniform(0.6, 1.2))
+        after = times >= t
+        walk[after] = reach(here, there, 0.0, (times[after] - t) / lasts)
+        here, t = there, t + lasts + float(random.exponential(0.5 * pause))
+    return walk
+
+
+def _pass_by(times: Array, rest: Array, random: np.random.Generator) -> Array:
+    """Return a hand that goes through the scene over the objects and back, again and again."""
+    path = np.tile(rest, (len(times), 1))
+    t = float(random.uniform(0.5, 2.0))
+    while t < times[-1]:
+        far = np.array(
+            [-np.sign(rest[0]) * random.uniform(0.2, 0.5), random.uniform(0.1, 0.6), 0.3]
+        )
+        lasts, stays = float(random.uniform(1.0, 1.8)), float(random.uniform(0.2, 0.8))
+        after = times >= t
+        path[after] = reach(rest, far, 0.08, (times[after] - t) / lasts)
+        back = times >= t + lasts + stays
+        path[back] = reach(far, rest, 0.08, (times[back] - t - lasts - stays) / lasts)
+        t += 2.0 * lasts + stays + float(random.uniform(0.5, 2.5))
+    return path

@@ -1,0 +1,101 @@
+"""The table of the experiment: where objects stand, and where a palm is when it grasps one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.lab.simulation import parameters
+from igrip.objects.model import ObjectModel
+
+Array = NDArray[np.float64]
+
+
+class Gap(Protocol):
+    """How far a palm is from what it grasps."""
+
+    @property
+    def palm_to_body(self) -> float:
+        """From the surface, in a palmar grasp [m]."""
+        ...
+
+    @property
+    def palm_to_top(self) -> float:
+        """Over the top, in a pinch [m]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Table:
+    """Objects that stand upright on the plane z = 0.
+
+    Attributes
+    ----------
+    models : mapping of str to ObjectModel
+        By id.
+    places : mapping of str to (3,)
+        Origin of each mesh [m].
+    yaws : mapping of str to float
+        How each is turned about the vertical [rad].
+    """
+
+    models: Mapping[str, ObjectModel]
+    places: Mapping[str, Array]
+    yaws: Mapping[str, float]
+
+    def rotation(self, id: str) -> Array:
+        """Return world-from-mesh of an object, shape (3, 3)."""
+        c, s = math.cos(self.yaws[id]), math.sin(self.yaws[id])
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def middle(self, id: str) -> Array:
+        """Return the mid-point of an object's cylinder, shape (3,) [m]."""
+        point: Array = self.places[id] + self.rotation(id) @ self.models[id].origin
+        return point
+
+    def grasp_point(self, id: str, grip: str, hand: Array, gap: Gap) -> Array:
+        """Return where the palm is at the end of a reach from ``hand``, shape (3,) [m].
+
+        A palmar grip ends beside the body at mid-height, on the side of the hand; a pinch above
+        the top. ``gap`` says how far from them.
+        """
+        model, middle = self.models[id], self.middle(id)
+        if grip == "pinch":
+            above: Array = middle + [0.0, 0.0, 0.5 * model.length + gap.palm_to_top]
+            return above
+        aside = hand[:2] - middle[:2]
+        aside = aside / np.linalg.norm(aside)
+        corners = (model.vertices @ self.rotation(id).T + self.places[id])[:, :2] - middle[:2]
+        away = (float((corners @ aside).max()) + gap.palm_to_body) * aside
+        beside: Array = middle + [away[0], away[1], 0.0]
+        return beside
+
+
+def set_table(
+    models: Mapping[str, ObjectModel], protocol: parameters.Protocol, random: np.random.Generator
+) -> Table:
+    """Place objects at random between the hands' rest and the screen, not too close together."""
+    while True:
+        spots: list[Array] = []
+        for _ in range(200 * len(models)):
+            half = 0.5 * protocol.table_width
+            spot = random.uniform([-half, protocol.table_near], [half, protocol.table_far])
+            if all(np.linalg.norm(spot - other) >= protocol.separation for other in spots):
+                spots.append(spot)
+            if len(spots) == len(models):
+                break
+        else:
+            continue  # an unlucky beginning: there is no room left; begin anew
+        places, yaws = {}, {}
+        for (id, model), spot in zip(models.items(), spots, strict=True):
+            yaws[id] = float(random.uniform(-math.pi, math.pi))
+            c, s = math.cos(yaws[id]), math.sin(yaws[id])
+            x, y = model.origin[:2]
+            lowest = float(model.vertices[:, 2].min())
+            places[id] = np.array([spot[0] - (c * x - s * y), spot[1] - (s * x + c * y), -lowest])
+        return Table(models, places, yaws)

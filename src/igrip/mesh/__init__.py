@@ -1,0 +1,1 @@
+"""Meshes alone: trees, rays, nearest points, inscribed spheres."""

@@ -1,0 +1,202 @@
+"""RealSense cameras through pyrealsense2: colour, and depth aligned to it on the host."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.perception.calibration.lens import load_cv2
+from igrip.perception.cameras import CAMERAS, CameraError, read_options
+from igrip.perception.cameras._polled import WAIT, PolledCamera
+from igrip.rgbd import Intrinsics, RgbdFrame
+
+DEFAULTS: dict[str, Any] = {"size": (1280, 720), "depth": (848, 480), "fps": 30.0}
+STEP = 8  # pixels between two places where the lens is computed; it bends slowly
+
+
+def load_realsense() -> Any:
+    """Return the module.
+
+    Raises
+    ------
+    CameraError
+        If it is not installed.
+    """
+    try:
+        import pyrealsense2
+    except ImportError:
+        raise CameraError(
+            "RealSense cameras need the package pyrealsense2: pip install 'igrip[realsense]'"
+        ) from None
+    return pyrealsense2
+
+
+@CAMERAS.register("realsense")
+def open_realsense(rest: str) -> RealSenseCamera:
+    """Open ``realsense``, or ``realsense:SERIAL?size=1280x720&depth=848x480&fps=30``."""
+    serial, options = read_options(rest, DEFAULTS)
+    return RealSenseCamera(serial, **options)
+
+
+class RealSenseCamera(PolledCamera):
+    """A RealSense with colour and depth.
+
+    Parameters
+    ----------
+    serial : str
+        Serial number; empty: any.
+    size, depth : 2 ints
+        Width and height of the colour picture, and of depth before it is aligned [pixels].
+    fps : float
+        Frames a second.
+
+    Raises
+    ------
+    CameraError
+        If pyrealsense2 or the device is missing, or it has no such sizes.
+    """
+
+    def __init__(
+        self,
+        serial: str = "",
+        size: tuple[int, int] = (1280, 720),
+        depth: tuple[int, int] = (848, 480),
+        fps: float = 30.0,
+    ) -> None:
+        super().__init__()
+        rs = load_realsense()
+        there = [d.get_info(rs.camera_info.serial_number) for d in rs.context().query_devices()]
+        if not there or (serial and serial not in there):
+            raise CameraError(
+                f"no RealSense camera {f'{serial} ' if serial else ''}is found: plug it into a "
+                "USB 3 port; on Linux it also needs the udev rules of docs/cameras.md"
+            )
+        config = rs.config()
+        if serial:
+            config.enable_device(serial)
+        config.enable_stream(rs.stream.color, *size, rs.format.rgb8, round(fps))
+        config.enable_stream(rs.stream.depth, *depth, rs.format.z16, round(fps))
+        self._pipeline = rs.pipeline()
+        try:
+            device = self._pipeline.start(config).get_device()
+        except RuntimeError as error:
+            raise CameraError(
+                f"the RealSense camera {serial} does not give {size[0]} × {size[1]} with depth of "
+                f"{depth[0]} × {depth[1]} at {fps:g} Hz: {error}"
+            ) from error
+        self.name = f"realsense-{device.get_info(rs.camera_info.serial_number)}"
+        for sensor in device.query_sensors():
+            if sensor.supports(rs.option.global_time_enabled):
+                sensor.set_option(rs.option.global_time_enabled, 1.0)
+        self._frames = Converter(rs, self.name, device.first_depth_sensor().get_depth_scale())
+
+    def _next(self) -> RgbdFrame | None:
+        there, pair = self._pipeline.try_wait_for_frames(round(WAIT * 1000))
+        frame = self._frames.convert(pair) if there else None
+        self.note = self._frames.note
+        return frame
+
+    def _release(self) -> None:
+        self._pipeline.stop()
+
+
+class Converter:
+    """Aligns, rectifies and dates what a RealSense sends.
+
+    Parameters
+    ----------
+    rs : module
+        pyrealsense2.
+    name : str
+        Of the camera.
+    scale : float
+        What one count of depth means [m].
+    """
+
+    def __init__(self, rs: Any, name: str, scale: float) -> None:
+        self._rs, self._name, self._scale = rs, name, scale
+        self._align = rs.align(rs.stream.color)
+        self._lens: tuple[tuple[Any, ...], Any] | None = None
+        self.note: str | None = None
+        self._depth_number = -1
+
+    def convert(self, pair: Any) -> RgbdFrame | None:
+        """Return the frame of a set of frames; None if a part is missing, or was sent before.
+
+        The library fills a set up with the last depth it had, where no new one came.
+        """
+        measured = pair.get_depth_frame()
+        if not measured or measured.get_frame_number() == self._depth_number:
+            return None
+        self._depth_number = measured.get_frame_number()
+        t = self._time(pair.get_color_frame()) if pair.get_color_frame() else 0.0
+        aligned = self._align.process(pair)
+        picture, far = aligned.get_color_frame(), aligned.get_depth_frame()
+        if not picture or not far:
+            return None
+        told = picture.get_profile().as_video_stream_profile().get_intrinsics()
+        colour = np.array(picture.get_data(), np.uint8)
+        depth = np.asarray(far.get_data()).astype(np.float32) * np.float32(self._scale)
+        own = Intrinsics(told.width, told.height, told.fx, told.fy, told.ppx, told.ppy)
+        if any(told.coeffs):
+            colour, depth = self._rectified(colour, depth, told)
+        return RgbdFrame(t, colour, depth, own, self._name)
+
+    def _time(self, picture: Any) -> float:
+        """Return when a picture was taken on the host's monotonic clock [s]."""
+        if picture.get_frame_timestamp_domain() == self._rs.timestamp_domain.hardware_clock:
+            self.note = f"{self._name} does not tell the time of exposure: that of arrival is taken"
+            return time.monotonic()
+        # on the host's wall clock, which the device's is kept in step with
+        ago = time.time() - float(picture.get_timestamp()) / 1000.0
+        return time.monotonic() - ago
+
+    def _rectified(
+        self, colour: NDArray[np.uint8], depth: NDArray[np.float32], told: Any
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """Return the pictures of a camera without distortion and with the same matrix."""
+        cv2 = load_cv2()
+        key = (told.width, told.height, told.fx, told.fy, told.ppx, told.ppy, *told.coeffs)
+        if self._lens is None or self._lens[0] != key:
+            self._lens = key, lens_map(self._rs, told)
+        maps = self._lens[1]
+        return (
+            np.asarray(cv2.remap(colour, *maps, cv2.INTER_LINEAR)),
+            np.asarray(cv2.remap(depth, *maps, cv2.INTER_NEAREST)),  # never a mean of two depths
+        )
+
+
+def lens_map(rs: Any, told: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return where each pixel of a rectified picture lies in a distorted one.
+
+    Computed by the vendor's own function at every eighth pixel, and linear in between.
+
+    Returns
+    -------
+    (h, w) float32, twice
+        Columns and rows [pixels].
+    """
+    us = np.arange(0, told.width + STEP, STEP)
+    vs = np.arange(0, told.height + STEP, STEP)
+    coarse = np.array(
+        [
+            [
+                rs.rs2_project_point_to_pixel(
+                    told, [(u - told.ppx) / told.fx, (v - told.ppy) / told.fy, 1.0]
+                )
+                for u in us
+            ]
+            for v in vs
+        ]
+    )  # (rows, columns, 2)
+    across = np.arange(told.width) / STEP
+    down = np.arange(told.height) / STEP
+    i, j = across.astype(int), down.astype(int)
+    a, b = (across - i)[None, :, None], (down - j)[:, None, None]
+    top = coarse[j][:, i] * (1 - a) + coarse[j][:, i + 1] * a
+    bottom = coarse[j + 1][:, i] * (1 - a) + coarse[j + 1][:, i + 1] * a
+    fine = (top * (1 - b) + bottom * b).astype(np.float32)
+    return np.ascontiguousarray(fine[..., 0]), np.ascontiguousarray(fine[..., 1])

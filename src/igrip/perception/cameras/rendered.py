@@ -1,0 +1,96 @@
+"""``rendered:SEED``: a camera that is not there, before a person who is not there either."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from igrip.lab.rendering.filmed_reach import film_reach
+from igrip.lab.rendering.scene import RenderedScene
+from igrip.lab.rendering.sprites import FLAT, draw_hand, place
+from igrip.objects.catalog import load_objects
+from igrip.perception.cameras import CAMERAS, Camera, CameraError
+from igrip.rgbd import RgbdFrame
+
+RATE = 30.0  # frames a second, at most
+STILLS = 8  # pictures of the table with noise of their own, by turns: making one takes a while
+
+
+@CAMERAS.register("rendered")
+def _rendered(rest: str) -> Camera:
+    try:
+        seed = int(rest or "0")
+    except ValueError:
+        raise CameraError(f"rendered:{rest}: write rendered or rendered:SEED, a number") from None
+    if seed < 0:
+        raise CameraError(f"rendered:{rest}: the seed must not be negative")
+    return RenderedCamera(seed)
+
+
+class RenderedCamera:
+    """The paper's four objects on a table; a drawn hand reaches for one, goes back, and again.
+
+    Parameters
+    ----------
+    seed : int
+        Of the table, the person and the noise.
+
+    Raises
+    ------
+    CameraError
+        If OpenCV is not installed, which draws the hand.
+    """
+
+    def __init__(self, seed: int = 0) -> None:
+        self._random = np.random.default_rng(seed)
+        self._film = film_reach(load_objects("ycb"), seed)
+        self._palms = self._film.palms()
+        self._stills = [self.scene.frame(0.0, self._random) for _ in range(STILLS)]
+        self._turn = 0
+        mirror = 1.0 if self._film.task.hand == "right" else -1.0
+        try:
+            self._hand = draw_hand(FLAT * [mirror, 1.0])
+        except ImportError as error:
+            raise CameraError("the rendered camera needs OpenCV: pip install 'igrip[hands]'") from (
+                error
+            )
+        self._closed = threading.Event()
+
+    @property
+    def scene(self) -> RenderedScene:
+        """What is on the table, and where the camera stands."""
+        return self._film.scene
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        """Yield frames until the camera is closed."""
+        begin = due = time.monotonic()
+        while not self._closed.wait(max(0.0, due - time.monotonic())):
+            now = time.monotonic()
+            due = max(due + 1.0 / RATE, now)
+            yield self.frame(now, now - begin)
+
+    def frame(self, t: float, elapsed: float | None = None) -> RgbdFrame:
+        """Return the frame of a moment: the reach forth, then the same way back.
+
+        Parameters
+        ----------
+        t : float
+            Its time [s].
+        elapsed : float, optional
+            Time since the hand began; by default ``t`` [s].
+        """
+        last = len(self._palms) - 1
+        k = int((t if elapsed is None else elapsed) * RATE + 1e-6) % (2 * last)
+        palm = self._palms[min(k, 2 * last - k)]
+        self._turn += 1
+        frame = replace(self._stills[self._turn % STILLS], t=t)
+        x, y = frame.intrinsics.pixels(palm[None])[0].tolist()
+        return place(frame, self._hand, (x, y), float(palm[2]), np.pi)[0]
+
+    def close(self) -> None:
+        """End the iteration."""
+        self._closed.set()

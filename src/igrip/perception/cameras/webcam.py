@@ -1,0 +1,84 @@
+"""Any camera that OpenCV opens: colour alone, for finders that need no depth."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from igrip.perception.calibration.lens import Lens, load_cv2
+from igrip.perception.cameras import CAMERAS, CameraError, read_options
+from igrip.perception.cameras._polled import PolledCamera
+from igrip.rgbd import RgbdFrame
+
+DEFAULTS: dict[str, Any] = {"size": (1280, 720), "fps": 30.0, "fov": 0.0, "intrinsics": ""}
+
+
+@CAMERAS.register("webcam")
+def open_webcam(rest: str) -> WebcamCamera:
+    """Open ``webcam``, ``webcam:1?size=1280x720&fov=65`` or ``webcam:0?intrinsics=FILE``."""
+    which, options = read_options(rest, DEFAULTS)
+    if which and not which.isdigit():
+        raise CameraError(f"webcam:{which}: must be the number of a camera, such as webcam:0")
+    return WebcamCamera(int(which or 0), **options)
+
+
+class WebcamCamera(PolledCamera):
+    """A webcam. Its frames have no depth, and the time at which they arrived.
+
+    Parameters
+    ----------
+    number : int
+        Which, as the operating system counts.
+    size : 2 ints
+        Wanted width and height [pixels]; it gives what it can.
+    fps : float
+        Wanted frames a second.
+    fov : float
+        Field of view across [degrees]; 0: not known.
+    intrinsics : str
+        File of the intrinsics; see :class:`igrip.perception.calibration.lens.Lens`.
+
+    Raises
+    ------
+    CameraError
+        If OpenCV or the camera is missing.
+    """
+
+    def __init__(
+        self,
+        number: int = 0,
+        size: tuple[int, int] = (1280, 720),
+        fps: float = 30.0,
+        fov: float = 0.0,
+        intrinsics: str = "",
+    ) -> None:
+        super().__init__()
+        self._cv2 = cv2 = load_cv2()
+        self.name = f"webcam-{number}"
+        self._lens = Lens(intrinsics, fov)
+        self.note = self._lens.note and f"{self.name}: {self._lens.note}"
+        self._capture = cv2.VideoCapture(number)
+        if not self._capture.isOpened():
+            self._capture.release()
+            raise CameraError(
+                f"there is no webcam {number}, or something else uses it: plug one in, or name "
+                "another (webcam:1)"
+            )
+        for key, value in (
+            (cv2.CAP_PROP_FRAME_WIDTH, size[0]), (cv2.CAP_PROP_FRAME_HEIGHT, size[1]),
+            (cv2.CAP_PROP_FPS, fps), (cv2.CAP_PROP_BUFFERSIZE, 1),
+        ):  # fmt: skip
+            self._capture.set(key, value)
+
+    def _next(self) -> RgbdFrame | None:
+        if not self._capture.grab():
+            raise CameraError(f"{self.name} has stopped; is it still plugged in?")
+        t = time.monotonic()  # before it is unpacked
+        there, bgr = self._capture.retrieve()
+        if not there:
+            return None
+        colour, own = self._lens.see(self._cv2.cvtColor(bgr, self._cv2.COLOR_BGR2RGB))
+        return RgbdFrame(t, colour, None, own, self.name)
+
+    def _release(self) -> None:
+        self._capture.release()

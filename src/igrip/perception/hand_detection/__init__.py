@@ -1,0 +1,1 @@
+"""What every hand detector shares: palms, ids, tiles of a picture."""

@@ -1,0 +1,1 @@
+"""Camera, hands and objects, each at its own rate, to one stream of observations."""

@@ -1,0 +1,97 @@
+"""One kind of work in a thread of its own, on the newest frame there is."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from igrip.rgbd import RgbdFrame
+from igrip.runtime.latency import LatencyMeter
+from igrip.runtime.mailbox import Mailbox
+
+log = logging.getLogger(__name__)
+T = TypeVar("T")
+PATIENCE = 30  # frames in a row that may fail before the stage gives up; a second of a camera
+
+
+class Worker(Generic[T]):
+    """Works on frames until its inlet is closed.
+
+    Parameters
+    ----------
+    name : str
+        For the screen and in messages.
+    work : function
+        From a frame to a result.
+    hand_on : function
+        Called with each result.
+    give_up : function
+        Called with the error, once so many frames in a row have failed.
+    clock : function
+        A monotonic clock, that of the frames [s].
+    end : function
+        Called in the stage's thread once all is done.
+
+    Attributes
+    ----------
+    inlet : Mailbox
+        Where frames are put.
+    meter : LatencyMeter
+        How often, for how long, and how old the frames were by then.
+    failed : int
+        Frames whose work raised an error.
+    """
+
+    def __init__(
+        self, name: str, work: Callable[[RgbdFrame], T], hand_on: Callable[[T], None],
+        give_up: Callable[[Exception], None], clock: Callable[[], float] = time.monotonic,
+        end: Callable[[], None] = lambda: None,
+    ) -> None:  # fmt: skip
+        self.name = name
+        self.inlet: Mailbox[RgbdFrame] = Mailbox()
+        self.meter = LatencyMeter()
+        self.failed = 0
+        self._work, self._hand_on, self._give_up, self._clock = work, hand_on, give_up, clock
+        self._end = end
+        self._thread = threading.Thread(target=self._run, name=f"igrip-{name}", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Take no more frames; the work at hand is ended."""
+        self.inlet.close()
+
+    def join(self, timeout: float) -> None:
+        """Wait until the last frame is done [s]."""
+        self._thread.join(timeout)
+
+    def _run(self) -> None:
+        try:
+            self._work_on()
+        finally:
+            self._end()
+
+    def _work_on(self) -> None:
+        in_a_row = 0
+        while not self.inlet.over:
+            frame = self.inlet.take()
+            if frame is None:
+                continue
+            begin = self._clock()
+            try:
+                result = self._work(frame)
+            except Exception as error:  # one picture that cannot be read must not end the chain
+                self.failed += 1
+                in_a_row += 1
+                if in_a_row == 1:
+                    log.warning("%s: a frame failed: %s", self.name, error)
+                if in_a_row >= PATIENCE:
+                    self._give_up(error)
+                    return
+                continue
+            in_a_row = 0
+            now = self._clock()
+            self.meter.note(now, now - begin, now - frame.t)
+            self._hand_on(result)

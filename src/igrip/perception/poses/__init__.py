@@ -1,0 +1,53 @@
+"""What a pose finder is: from a frame to poses of the catalogue's meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.entities import ObjectPose
+from igrip.objects.catalog import Catalog
+from igrip.registry import Registry
+from igrip.rgbd import RgbdFrame
+
+Array = NDArray[np.float64]
+
+
+class PoseEstimator(Protocol):
+    """Finds objects; remembers where they were from one frame to the next of the same camera."""
+
+    def find(
+        self, frame: RgbdFrame, hands: Sequence[Array] = ()
+    ) -> Mapping[str, ObjectPose | None]:
+        """Return the pose of each object that was found or looked for, by id.
+
+        Parameters
+        ----------
+        frame : RgbdFrame
+            Colour, and depth where the finder needs it.
+        hands : sequence of (21, 2)
+            Landmarks of the hands in the picture [pixels]: what they cover is not the object.
+
+        Returns
+        -------
+        mapping of str to ObjectPose or None
+            World frame (``frame.world_from_camera``), metres, with ``model``, ``score``, ``source``
+            and its own ``t``: the time of the frame in which it was last *seen*; an object that is
+            hidden keeps its pose and its old ``t``. None: looked for where it was, and not there.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of what it holds."""
+        ...
+
+
+POSES: Registry[Callable[[Catalog, Mapping[str, Any]], PoseEstimator]] = Registry(
+    "pose estimator", "igrip.perception.poses", "igrip.poses"
+)
+"""By name; a member is called with the catalogue and its options (each documents its own; every
+one has a default), and looks for the catalogue's models named in ``options["models"]``, or for all.
+"""

@@ -1,0 +1,1 @@
+"""Meshes fitted to depth pictures."""

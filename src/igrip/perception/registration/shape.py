@@ -1,0 +1,135 @@
+"""What registration needs of a model beyond its mesh, derived once and kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.compiled import cache_directory
+from igrip.objects.model import ObjectModel
+from igrip.objects.stable_poses import StablePoses, stable_poses
+from igrip.perception.registration.signed_distance import Field, build_field
+
+Array = NDArray[np.float64]
+
+SAMPLES = 400
+_ARRAYS = ("samples", "normals", "middle", "axes", "radius")
+_DERIVED_BY = (
+    "perception/registration/shape.py", "perception/registration/signed_distance.py",
+    "objects/stable_poses.py",
+)  # fmt: skip
+
+
+class Shape(NamedTuple):
+    """A model as registration sees it; lengths in metres, in the frame of the mesh.
+
+    Attributes
+    ----------
+    name : str
+        Of the model.
+    field : Field
+        Signed distances.
+    samples, normals : (400, 3)
+        Points spread evenly over the surface, and its outward unit normals.
+    resting : StablePoses
+        How it rests on a table.
+    middle : (3,)
+        Of its bounding sphere.
+    axes : (3, 3)
+        Of the object frame, as columns.
+    radius : float
+        And the radius of the sphere.
+    """
+
+    name: str
+    field: Field
+    samples: Array
+    normals: Array
+    resting: StablePoses
+    middle: Array
+    axes: Array
+    radius: float
+
+
+def shape_of(model: ObjectModel) -> Shape:
+    """Derive the shape of a model, or read it from the cache."""
+    here = Path(__file__).parents[2]
+    digest = hashlib.sha256(b"".join((here / name).read_bytes() for name in _DERIVED_BY))
+    for array in (model.vertices, model.faces, model.centre, model.mesh_from_object):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    path = cache_directory() / "shapes" / f"{digest.hexdigest()[:32]}.npz"
+    shape = _read(path, model)
+    if shape is None:
+        shape = _derive(model)
+        _write(path, shape)
+    return shape
+
+
+def _derive(model: ObjectModel) -> Shape:
+    samples, normals = _spread(model)
+    return Shape(
+        name=model.name,
+        field=build_field(model.vertices, model.bvh),
+        samples=samples,
+        normals=normals,
+        resting=stable_poses(model.vertices, model.centre),
+        middle=model.sphere[:3].copy(),
+        axes=model.mesh_from_object[:3, :3].copy(),
+        radius=float(model.sphere[3]),
+    )
+
+
+def _spread(model: ObjectModel) -> tuple[Array, Array]:
+    """Return points on the surface, each as far as can be from those before it, and normals."""
+    random = np.random.default_rng(0)
+    a, b, c = (model.vertices[model.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    area = np.linalg.norm(normals, axis=1)
+    chosen = random.choice(len(area), size=10 * SAMPLES, p=area / area.sum())
+    u, v = random.random((2, 10 * SAMPLES))
+    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
+    points = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
+    kept = [0]
+    away = np.full(len(points), np.inf)
+    for _ in range(SAMPLES - 1):
+        away = np.minimum(away, ((points - points[kept[-1]]) ** 2).sum(axis=1))
+        kept.append(int(np.argmax(away)))
+    which = chosen[kept]
+    return points[kept], normals[which] / area[which, None]
+
+
+def _read(path: Path, model: ObjectModel) -> Shape | None:
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            return Shape(
+                model.name,
+                Field(stored["values"], stored["origin"], float(stored["cell"])),
+                stored["samples"],
+                stored["normals"],
+                StablePoses(stored["rotations"], stored["heights"], stored["probabilities"]),
+                stored["middle"],
+                stored["axes"],
+                float(stored["radius"]),
+            )
+    except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
+        return None
+
+
+def _write(path: Path, shape: Shape) -> None:
+    arrays = {name: getattr(shape, name) for name in _ARRAYS}
+    arrays.update(shape.field._asdict())
+    arrays.update(shape.resting._asdict())
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+        with os.fdopen(handle, "wb") as file:
+            np.savez(file, **arrays)
+        os.replace(temporary, path)  # whole or not at all
+    except OSError:
+        return  # a cache that cannot be written is only slow

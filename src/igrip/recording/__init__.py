@@ -1,1 +1,0 @@
-"""Recordings of messages, and datasets of recordings."""

@@ -1,1 +1,0 @@
-"""The report of an evaluation: figures and one self-contained page."""

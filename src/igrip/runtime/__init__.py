@@ -1,0 +1,1 @@
+"""The estimator at work: the loop, its inputs and its outputs."""

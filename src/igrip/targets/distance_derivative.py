@@ -1,0 +1,10 @@
+"""How fast the distance shrinks decides alone (paper: Eq. 10)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from igrip.targets import TARGETS
+from igrip.targets._weighted_cues import SingleCue
+
+TARGETS.register("distance_derivative")(partial(SingleCue, "distance_derivative"))

@@ -1,0 +1,1 @@
+"""What learned estimators of the target share: features, networks, a library of reaches."""

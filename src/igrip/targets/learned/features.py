@@ -1,0 +1,162 @@
+"""What a movement so far says about each object, in pure numbers: ratios of lengths and of times.
+
+The start of the movement, the hand, its velocity and acceleration, and an *aim* on each object, the
+point of its axis nearest to where the hand will be in 0.12 s. Nothing hangs on the order of the
+objects, on the frame, or on the unit of length.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.compiled import kernel
+from igrip.geometry import cylinder
+from igrip.motion import noise
+from igrip.motion import reach_detection as reach
+
+Array = NDArray[np.float64]
+LOCAL = (
+    "remaining", "log_remaining", "progress", "deviation", "heading_now", "heading_so_far",
+    "speed_time", "peak_time", "miss_ahead", "miss_now", "remaining_to_surface", "object_speed",
+    "heading_lately", "miss_lately", "acceleration_towards", "distance_covered", "path_covered",
+    "heading_last", "braking", "nearness", "remaining_of_size", "heading_relative",
+)  # fmt: skip
+"""Of each object."""
+SHARED = (
+    "speed_of_peak", "speed_time_covered", "braking_time", "path_excess", "peak_when",
+    "speed_since_quarter", "speed_since_half", "half_of_quarter", "speed_since_three_quarters",
+    "bend_since_half", "noise_of_way",
+)  # fmt: skip
+"""Of the movement, whatever the object."""
+AHEAD = 0.12  # s, guess
+AIM = 0.7  # of the half-length: people do not aim at the very ends; guess
+MOST = 8.0  # a bound for ratios whose denominator may vanish
+SMALL = 1e-12
+
+
+@kernel
+def _bounded(value):
+    return min(max(value, -MOST), MOST)
+
+
+@kernel
+def _since(points, count, start, covered, part):
+    """Return the last point that had covered less than a part of the present distance."""
+    last = 0
+    for k in range(count):
+        away2 = 0.0
+        for axis in range(3):
+            away2 += (points[k, 1 + axis] - start[axis]) ** 2
+        if away2 < (part * covered) ** 2:
+            last = k
+    return last
+
+
+@kernel
+def describe(state, points, now, cylinders, local, shared):
+    """Write the features of every object.
+
+    Parameters
+    ----------
+    state, points, now : arrays
+        Of a :class:`igrip.motion.reach_detection.ReachState` of a hand that moves.
+    cylinders : (o, 11)
+        As :mod:`igrip.geometry.cylinder` lays them out.
+    local : (o, 22), shared : (11,), written
+        In the order of :data:`LOCAL` and :data:`SHARED`.
+    """
+    p, v, a = now[:3], now[3:6], now[6:9]
+    start = state[reach.START : reach.START + 3]
+    t, count = state[reach.TIME], int(state[reach.COUNT])
+    elapsed = max(t - state[reach.ONSET], 1e-3)
+    peak = state[reach.PEAK]
+    speed2 = pull2 = covered2 = along_way = 0.0
+    for axis in range(3):
+        speed2 += v[axis] ** 2
+        pull2 += a[axis] ** 2
+        covered2 += (p[axis] - start[axis]) ** 2
+        along_way += a[axis] * v[axis]
+    speed, pull, covered = math.sqrt(speed2), math.sqrt(pull2), math.sqrt(covered2) + SMALL
+    gain = along_way / (speed + SMALL)  # of speed
+    quarter = points[_since(points, count, start, covered, 0.25)]
+    half = points[_since(points, count, start, covered, 0.5)]
+    last = points[_since(points, count, start, covered, 0.75)]
+    shared[0] = speed / (peak + SMALL)
+    shared[1] = speed * elapsed / covered
+    shared[2] = gain * elapsed / (speed + SMALL)
+    shared[3] = state[reach.PATH] / covered
+    shared[4] = (state[reach.PEAK_AT] - state[reach.ONSET]) / elapsed
+    shared[5] = speed * (t - quarter[0]) / covered
+    shared[6] = speed * (t - half[0]) / covered
+    shared[7] = (t - half[0]) / (t - quarter[0] + 1e-3)
+    shared[8] = speed * (t - last[0]) / covered
+    shared[9] = gain * (t - half[0]) ** 2 / covered
+    shared[10] = math.sqrt(state[reach.NOISE + noise.VARIANCE]) / covered
+    for k in range(len(shared)):
+        shared[k] = _bounded(shared[k])
+    ahead, aim = np.empty(3), np.empty(3)
+    for axis in range(3):
+        ahead[axis] = p[axis] + AHEAD * (v[axis] + 0.5 * AHEAD * a[axis])
+    nearest = math.inf
+    for o in range(cylinders.shape[0]):
+        along = 0.0
+        for axis in range(3):
+            along += (ahead[axis] - cylinders[o, axis]) * cylinders[o, cylinder.AXIS + axis]
+        most = AIM * cylinders[o, cylinder.HALF_LENGTH]
+        along = min(max(along, -most), most)
+        left2 = way2 = miss2 = moves2 = closing = closing2 = 0.0
+        done = towards = pulled = lately = finally_ = lately2 = last2 = 0.0
+        for axis in range(3):
+            aim[axis] = cylinders[o, axis] + along * cylinders[o, cylinder.AXIS + axis]
+            left, way = aim[axis] - p[axis], aim[axis] - start[axis]
+            left2 += left * left
+            way2 += way * way
+            miss2 += (aim[axis] - ahead[axis]) ** 2
+            moves2 += cylinders[o, cylinder.VELOCITY + axis] ** 2
+            relative = v[axis] - cylinders[o, cylinder.VELOCITY + axis]
+            closing += relative * left
+            closing2 += relative * relative
+            done += (p[axis] - start[axis]) * way
+            towards += v[axis] * left
+            pulled += a[axis] * left
+            lately += (p[axis] - half[1 + axis]) * left
+            lately2 += (p[axis] - half[1 + axis]) ** 2
+            finally_ += (p[axis] - last[1 + axis]) * left
+            last2 += (p[axis] - last[1 + axis]) ** 2
+        left, way = math.sqrt(left2) + SMALL, math.sqrt(way2) + SMALL
+        way2 = max(way2, SMALL * SMALL)
+        now_cosine = towards / (speed * left + SMALL)
+        late_cosine = lately / (math.sqrt(lately2) * left + SMALL)
+        row = local[o]
+        row[0] = left / way
+        row[1] = math.log((left + 0.05 * way) / (1.05 * way))
+        row[2] = done / way2
+        row[3] = math.sqrt(max(0.0, covered2 / way2 - row[2] ** 2))
+        row[4] = now_cosine
+        row[5] = done / (covered * way)
+        row[6] = speed * elapsed / way
+        row[7] = peak * elapsed / way
+        row[8] = math.sqrt(miss2) / way
+        row[9] = left * math.sqrt(max(0.0, 1.0 - now_cosine**2)) / way
+        row[10] = max(left - cylinders[o, cylinder.RADIUS], 0.0) / way
+        row[11] = math.sqrt(moves2) / (speed + SMALL)
+        row[12] = late_cosine
+        row[13] = left * math.sqrt(max(0.0, 1.0 - late_cosine**2)) / way
+        row[14] = pulled / (pull * left + SMALL)
+        row[15] = covered / way
+        row[16] = state[reach.PATH] / way
+        row[17] = finally_ / (math.sqrt(last2) * left + SMALL)
+        row[18] = gain * elapsed**2 / way
+        size = cylinders[o, cylinder.RADIUS] + cylinders[o, cylinder.HALF_LENGTH]
+        row[20] = math.log((left + 0.2 * size) / size)
+        row[21] = closing / (math.sqrt(closing2) * left + SMALL)
+        nearest = min(nearest, left)
+        row[19] = 0.0
+        for k in range(len(row)):
+            row[k] = _bounded(row[k])
+        row[19] = left
+    for o in range(cylinders.shape[0]):
+        local[o, 19] = math.log((nearest / local[o, 19] + 0.1) / 1.1)

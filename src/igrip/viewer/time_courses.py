@@ -1,0 +1,173 @@
+"""The time courses of the paper's Figure 6: speed, confidences, global score, target and grip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.intention import Intention
+from igrip.viewer.snapshot import Snapshot
+
+Array = NDArray[np.float64]
+MAX_OBJECTS = 8  # lines in a panel
+GRIPS = ("palmar", "pinch")
+GRIP_COLOURS = ((90, 130, 216), (211, 90, 192))
+SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
+
+
+class Courses(NamedTuple):
+    """What one hand's panels show.
+
+    Attributes
+    ----------
+    times : (n,)
+        Times [s].
+    objects : tuple of str
+        Which objects have a line each.
+    panels : dict of str to (lines, n)
+        Values of each panel, NaN where there is none: one line for the speed, one for each object
+        for a score and for the target (its number from 1 while it is the target), one for each grip
+        (1 or 2 while it is the grip).
+    """
+
+    times: Array
+    objects: tuple[str, ...]
+    panels: dict[str, Array]
+
+
+def courses_of(moments: Sequence[Snapshot], hand: str) -> Courses:
+    """Gather the time courses of one hand from the successive moments at which it was answered."""
+    own = [
+        (moment.t, shown) for moment in moments for shown in moment.hands
+        if shown.intention.hand == hand and shown.intention.t == moment.t
+    ]  # fmt: skip
+    objects = _chosen([shown.intention for _, shown in own])
+    names = dict.fromkeys(
+        name for _, shown in own for name in next(iter(shown.intention.scores.values()), ())
+    )
+    n = len(own)
+    panels = {SPEED: np.full((1, n), np.nan)}
+    panels |= {name: np.full((len(objects), n), np.nan) for name in names}
+    panels |= {TARGET: np.full((len(objects), n), np.nan), GRIP: np.full((len(GRIPS), n), np.nan)}
+    for k, (_, shown) in enumerate(own):
+        intention = shown.intention
+        if shown.motion is not None:
+            panels[SPEED][0, k] = shown.motion.speed
+        for o, id in enumerate(objects):
+            for name, value in intention.scores.get(id, {}).items():
+                panels[name][o, k] = value
+            if intention.target == id:
+                panels[TARGET][o, k] = o + 1
+        if intention.grip in GRIPS:
+            g = GRIPS.index(intention.grip)
+            panels[GRIP][g, k] = g + 1
+    return Courses(np.array([t for t, _ in own]), objects, panels)
+
+
+def _chosen(intentions: Sequence[Intention]) -> tuple[str, ...]:
+    """Return the objects that get a line, by id: past targets first, then those likeliest now."""
+    known = {id: None for intention in intentions for id in intention.scores}
+    if len(known) <= MAX_OBJECTS:
+        return tuple(sorted(known))
+    targets = dict.fromkeys(i.target for i in reversed(intentions) if i.target)
+    newest = intentions[-1].scores
+    likely = sorted(known, key=lambda id: (-newest.get(id, {}).get("global", -np.inf), id))
+    return tuple(sorted(list(dict.fromkeys([*targets, *likely]))[:MAX_OBJECTS]))
+
+
+class CoursesPanels:
+    """The panels on the page, one below the other."""
+
+    def __init__(self, server: Any) -> None:
+        self._gui = server.gui
+        self._folder = self._gui.add_folder("Time courses")
+        with self._folder:
+            self._key = self._gui.add_html("")
+        self._plots: dict[str, Any] = {}
+        self._lines: tuple[str, ...] = ()
+        self._fastest = 1.0  # upper end of the speed panel [m/s]
+
+    def show(
+        self,
+        courses: Courses,
+        colours: Mapping[str, tuple[int, int, int]],
+        hidden: Sequence[str] = (),
+    ) -> None:
+        """Draw time courses in the colours of the objects, but for the hidden panels."""
+        if self._lines != (*courses.objects, *courses.panels):
+            self._begin(courses, colours)
+        for name, plot in self._plots.items():
+            plot.visible = name not in hidden
+            if plot.visible:
+                if name == SPEED:
+                    self._widen(plot, courses.panels[name])
+                plot.data = (courses.times, *courses.panels[name])
+
+    def _widen(self, plot: Any, speeds: Array) -> None:
+        """Make room for the highest speed; what is NaN leaves no room to choose by itself."""
+        highest = float(np.nan_to_num(speeds).max(initial=0.0))
+        if highest > self._fastest:
+            self._fastest = 0.5 * math.ceil(highest / 0.5)
+            plot.scales = {"x": {"time": False}, "y": _range(SPEED, 1, self._fastest)}
+
+    def _begin(self, courses: Courses, colours: Mapping[str, tuple[int, int, int]]) -> None:
+        """Make the panels anew, since there are other objects or scores."""
+        for plot in self._plots.values():
+            plot.remove()
+        self._plots.clear()
+        names = {id: _css(colours.get(id, (120, 120, 120))) for id in courses.objects}
+        keys = [(colour, escape(id)) for id, colour in names.items()]
+        keys += [(_css(c), g) for c, g in zip(GRIP_COLOURS, GRIPS, strict=True)]
+        self._key.content = "<div style='font-size:0.8em;padding:0 1em'>" + " &ensp;".join(
+            f"<span style='color:{colour}'>&#9632;</span> {text}" for colour, text in keys
+        ) + "</div>"  # fmt: skip
+        with self._folder:
+            for name, rows in courses.panels.items():
+                if not len(rows):  # no object, no line
+                    continue
+                if name == SPEED:
+                    strokes = ["rgb(60,60,60)"]
+                else:
+                    strokes = (
+                        list(names.values()) if name != GRIP else list(map(_css, GRIP_COLOURS))
+                    )
+                self._plots[name] = self._gui.add_uplot(
+                    (courses.times, *rows),
+                    ({"label": "t [s]"}, *(_series(stroke, name) for stroke in strokes)),
+                    title=name.replace("_", " "),
+                    height=92,
+                    scales={"x": {"time": False}, "y": _range(name, len(rows), self._fastest)},
+                    axes=(
+                        {"size": 24, "space": 60},
+                        {"size": 34, "space": 18, "show": name not in (TARGET, GRIP)},
+                    ),
+                    legend={"show": False},
+                    padding=(0, 8, 0, 0 if name not in (TARGET, GRIP) else 34),
+                )
+        self._lines = (*courses.objects, *courses.panels)
+
+
+def _series(stroke: str, name: str) -> Any:
+    marks = name in (TARGET, GRIP)
+    return {
+        "stroke": stroke, "width": 5 if marks else 1.5, "spanGaps": False,
+        "points": {"show": False},
+    }  # fmt: skip
+
+
+def _range(name: str, lines: int, fastest: float) -> Any:
+    if name == SPEED:
+        return {"auto": False, "range": (0.0, fastest)}
+    if name in (TARGET, GRIP):
+        return {"auto": False, "range": (0.0, lines + 1.0)}
+    lowest = -1.05 if name == "distance_derivative" else -0.05
+    return {"auto": False, "range": (lowest, 1.05)}
+
+
+def _css(colour: tuple[int, ...]) -> str:
+    return f"rgb({colour[0]},{colour[1]},{colour[2]})"

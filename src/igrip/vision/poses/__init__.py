@@ -1,1 +1,0 @@
-"""Pose finders: from a frame to the poses of the catalogue's objects, found by name."""

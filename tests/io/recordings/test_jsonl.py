@@ -1,0 +1,209 @@
+"""Recordings as lines of JSON: written, read, cut off, damaged."""
+
+from __future__ import annotations
+
+import gc
+import json
+import logging
+
+import numpy as np
+import pytest
+
+import igrip
+from igrip import Intention, Observation
+from igrip.errors import RecordingError
+from igrip.io.recordings import jsonl
+from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
+from support import hand, lines, message, pose, run, scene_of_shapes
+
+
+@pytest.fixture
+def scene():
+    """Observations of a scene."""
+    return [Observation(**plain) for plain in scene_of_shapes(np.random.default_rng(1))]
+
+
+def write(path, observations):
+    with JsonlWriter(path) as writer:
+        for observation in observations:
+            writer.write(observation)
+    return path
+
+
+def test_round_trip(tmp_path, scene):
+    path = write(tmp_path / "scene.jsonl", scene)
+    reader = JsonlReader(path)
+    assert list(reader) == scene
+    assert list(reader) == scene  # it may be iterated again
+    assert reader.cut is None
+    assert path.read_bytes().count(b"\n") == len(scene)
+    assert list(JsonlReader(str(path))) == scene
+
+
+def test_writing_what_was_read_gives_the_same_bytes(tmp_path, scene):
+    path = write(tmp_path / "scene.jsonl", scene)
+    again = write(tmp_path / "again.jsonl", JsonlReader(path))
+    assert again.read_bytes() == path.read_bytes()
+
+
+def test_intentions_can_be_written_too(tmp_path, scene, shapes):
+    told = run([json.loads(o.to_json()) for o in scene], shapes)
+    path = write(tmp_path / "told.jsonl", told)
+    assert lines(map(Intention.from_json, path.read_bytes().splitlines())) == lines(told)
+
+
+def test_each_message_is_on_disk_when_write_returns(tmp_path, scene):
+    path = tmp_path / "scene.jsonl"
+    with JsonlWriter(path) as writer:
+        for count, observation in enumerate(scene[:5], start=1):
+            writer.write(observation)
+            assert len(list(JsonlReader(path))) == count
+
+
+def test_an_existing_file_is_replaced(tmp_path, scene):
+    path = write(tmp_path / "scene.jsonl", scene)
+    write(path, scene[:2])
+    assert list(JsonlReader(path)) == scene[:2]
+
+
+def test_cut_at_every_byte_of_the_last_line(tmp_path, caplog):
+    observations = [
+        Observation(**message(1.0 + k, {"右手": hand((0.1, 0.2, 0.3 + k))},
+                              {"mug": pose((0, 0, 0), model="mug ☕")}))
+        for k in range(3)
+    ]  # fmt: skip
+    path = write(tmp_path / "scene.jsonl", observations)
+    whole = path.read_bytes()
+    start = whole.rindex(b"\n", 0, -1) + 1
+    for end in range(start, len(whole) + 1):
+        path.write_bytes(whole[:end])
+        caplog.clear()
+        reader = JsonlReader(path)
+        with caplog.at_level(logging.WARNING, logger="igrip"):
+            seen = list(reader)
+        complete = end >= len(whole) - 1  # all but the line break
+        assert seen == observations[: 3 if complete else 2]
+        if complete or end == start:
+            assert reader.cut is None
+            assert not caplog.records
+        else:
+            assert "line 3" in reader.cut
+            assert str(path) in reader.cut
+            [record] = caplog.records
+            assert record.levelno == logging.WARNING
+            assert record.getMessage() == reader.cut
+
+
+@pytest.mark.parametrize("zeros", [1, 4096])
+def test_cut_with_zeros_behind(tmp_path, scene, zeros):
+    """What a file system leaves of a block that was promised and not written."""
+    path = write(tmp_path / "scene.jsonl", scene)
+    whole = path.read_bytes()
+    path.write_bytes(whole + b"\0" * zeros)
+    assert list(JsonlReader(path)) == scene
+    path.write_bytes(whole[:-10] + b"\0" * zeros)
+    reader = JsonlReader(path)
+    assert list(reader) == scene[:-1]
+    assert reader.cut is not None
+
+
+def test_cut_is_about_the_last_iteration(tmp_path, scene):
+    path = write(tmp_path / "scene.jsonl", scene)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-10])
+    reader = JsonlReader(path)
+    list(reader)
+    assert reader.cut is not None
+    path.write_bytes(whole)
+    assert list(reader) == scene
+    assert reader.cut is None
+
+
+@pytest.mark.parametrize(
+    ("line", "field"),
+    [
+        (b'{"t":', "message"),
+        (b"nonsense", "message"),
+        (b"[1, 2]", "message"),
+        (b'{"hands":{}}', "t"),
+        (b'{"t":5.0,"hands":{"right":{"position":[0,null,0]}}}', "hands.right.position[1]"),
+        (b'{"t":5.0,"hands":{"right":{"position":[0,NaN,0]}}}', "hands.right.position[1]"),
+        (b'{"t":5.0,"objects":{"mug":{"position":[0,0,0]}}}', "objects.mug.orientation"),
+        (b'{"t":5.0,"schema":"igrip/2"}', "schema"),
+        (b'{"t":1.0}', "t"),  # older than the line before
+    ],
+)
+@pytest.mark.parametrize("last", [False, True])
+def test_a_malformed_line_names_line_and_field(tmp_path, line, field, last):
+    path = tmp_path / "scene.jsonl"
+    path.write_bytes(b'{"t":3.0}\n\n' + line + b"\n" + (b"" if last else b'{"t":9.0}\n'))
+    seen = []
+    with pytest.raises(RecordingError) as raised:
+        seen.extend(JsonlReader(path))
+    assert seen == [] or seen == [Observation(t=3.0)]
+    assert f"{path}, line 3: {field}: " in str(raised.value)
+
+
+def test_what_comes_before_a_malformed_line_is_read(tmp_path):
+    path = tmp_path / "scene.jsonl"
+    path.write_bytes(b'{"t":1.0}\n{"t":2.0}\n{"t":"x"}\n')
+    iterator = iter(JsonlReader(path))
+    assert [next(iterator).t, next(iterator).t] == [1.0, 2.0]
+    with pytest.raises(RecordingError, match="line 3: t: "):
+        next(iterator)
+
+
+def test_a_whole_last_line_that_is_wrong_is_no_cut(tmp_path):
+    path = tmp_path / "scene.jsonl"
+    path.write_bytes(b'{"t":1.0}\n{"t":-2.0}')
+    with pytest.raises(RecordingError, match="line 2: t: "):
+        list(JsonlReader(path))
+
+
+def test_blank_lines_and_windows_line_breaks(tmp_path):
+    path = tmp_path / "scene.jsonl"
+    path.write_bytes(b'\n\r\n  {"t":1.0}\r\n\t\n{"t":1.0}  \r\n\n{"t":2.0}')
+    assert [observation.t for observation in JsonlReader(path)] == [1.0, 1.0, 2.0]
+
+
+def test_an_empty_file(tmp_path):
+    path = tmp_path / "scene.jsonl"
+    path.write_bytes(b"")
+    reader = JsonlReader(path)
+    assert list(reader) == []
+    assert reader.cut is None
+
+
+@pytest.mark.parametrize("kind", ["missing", "folder"])
+def test_files_that_cannot_be_opened(tmp_path, kind):
+    path = tmp_path if kind == "folder" else tmp_path / "nowhere" / "scene.jsonl"
+    for make in (JsonlReader, JsonlWriter):
+        with pytest.raises(RecordingError) as raised:
+            make(path)
+        assert str(path) in str(raised.value)
+
+
+def test_an_iteration_that_is_given_up_closes_the_file(tmp_path, scene, monkeypatch):
+    path = write(tmp_path / "scene.jsonl", scene)
+    opened = []
+
+    def remember(name):
+        opened.append(open_file(name))
+        return opened[-1]
+
+    open_file = jsonl._open
+    monkeypatch.setattr(jsonl, "_open", remember)
+    iterator = iter(JsonlReader(path))
+    next(iterator)
+    assert [file.closed for file in opened] == [False]
+    del iterator
+    gc.collect()
+    assert [file.closed for file in opened] == [True]
+
+
+def test_open_source_reads_it(tmp_path, scene):
+    path = write(tmp_path / "scene.jsonl", scene)
+    for name in (path, str(path)):
+        assert list(igrip.open_source(name)) == scene
+    upper = write(tmp_path / "SCENE.JSONL", scene)
+    assert list(igrip.open_source(upper)) == scene

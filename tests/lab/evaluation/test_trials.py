@@ -1,0 +1,85 @@
+"""Hand-made trials whose scores can be counted on paper."""
+
+import numpy as np
+import pytest
+
+from igrip.lab.evaluation.trials import causal_accuracy, longest_run, score_trial
+
+
+def flags(text: str) -> np.ndarray:
+    return np.array([c == "x" for c in text])
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", (0, 0)),
+        ("....", (0, 0)),
+        ("x", (0, 1)),
+        ("..x.xx", (4, 2)),
+        ("xx..xx", (0, 2)),  # tied: the earliest
+        ("x.xxx.xxx", (2, 3)),
+        ("....x", (4, 1)),
+    ],
+)
+def test_longest_run(text: str, expected: tuple[int, int]) -> None:
+    assert longest_run(flags(text)) == expected
+
+
+def test_success_counts_from_k_target_to_k_f() -> None:
+    # ten frames, one a tenth of a second; the longest run begins at frame 3
+    times = np.arange(10) / 10
+    score = score_trial(times, flags("..x.xxx.xx"), onset=0.1, end=0.9)
+    assert score.found == pytest.approx(0.4)
+    assert score.ratio == pytest.approx(5 / 6)
+    assert score.success
+    assert score.delay == pytest.approx(0.3)
+    assert score.margin == pytest.approx(0.5)
+
+
+def test_exactly_seventy_percent_is_no_success() -> None:
+    times = np.arange(10) / 10
+    correct = flags("xxxx.x.x.x")
+    score = score_trial(times, correct, onset=0.0, end=0.9)
+    assert score.ratio == pytest.approx(0.7)
+    assert not score.success
+
+
+def test_frames_after_the_end_do_not_count() -> None:
+    times = np.arange(10) / 10
+    score = score_trial(times, flags("....xxxxxx"), onset=0.0, end=0.5)
+    assert (score.found, score.ratio) == (pytest.approx(0.4), pytest.approx(1.0))
+    assert score.margin == pytest.approx(0.1)
+
+
+def test_a_run_may_begin_before_onset() -> None:
+    score = score_trial(np.arange(4) / 10, flags("xxxx"), onset=0.2, end=0.3)
+    assert score.delay == pytest.approx(-0.2)
+
+
+def test_a_run_at_the_last_frame_succeeds() -> None:
+    score = score_trial(np.arange(3) / 10, flags("..x"), onset=0.0, end=0.2)
+    assert score.success
+    assert score.margin == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("text", ["", "...."])
+def test_never_right_is_no_success(text: str) -> None:
+    score = score_trial(np.arange(len(text)) / 10, flags(text), onset=0.0, end=1.0)
+    assert score == (False, 0.0, None, None, None)
+
+
+def test_causal_accuracy_takes_the_newest_answer() -> None:
+    times = np.array([0.0, 0.3, 0.65, 1.0])
+    right = causal_accuracy(times, flags(".x.x"), 0.0, 1.0, (0.2, 0.3, 0.6, 0.65, 1.0))
+    assert right.tolist() == [False, True, True, False, True]
+
+
+def test_causal_accuracy_before_the_first_answer_is_wrong() -> None:
+    assert causal_accuracy(np.array([0.5]), flags("x"), 0.0, 1.0, (0.4,)).tolist() == [False]
+
+
+def test_causal_accuracy_survives_decimal_times() -> None:
+    # 0.1 + 0.2 > 0.3 in binary: the frame written as 0.3 falls on the instant all the same
+    times = np.array([0.1, 0.30000000000000004])
+    assert causal_accuracy(times, flags(".x"), 0.0, 1.0, (0.3,)).tolist() == [True]

@@ -1,0 +1,113 @@
+"""The report: one page with everything in it, and the files beside it."""
+
+import json
+import math
+import re
+
+import pandas as pd
+import pytest
+
+from igrip import Config, load_objects
+from igrip.io.datasets.dataset import Dataset
+from igrip.lab.evaluation.experiment import Experiment
+from igrip.lab.evaluation.summary import frame_of, summarise
+from igrip.lab.report.claims import deviations, findings
+from igrip.lab.report.page import clean, percent, typical, write_report
+from igrip.lab.simulation.cohort import simulate
+from igrip.lab.simulation.parameters import cohort
+
+TARGETS = ("paper", "impacts", "distance_derivative", "distance", "future_distance")
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    catalog = load_objects("ycb")
+    list(simulate(folder / "cohort", catalog, cohort(), 2, 0, trials=6, no_reach_minutes=1))
+    dataset = Dataset.open(folder / "cohort")
+    evaluation = Experiment(dataset, [Config(targets=t) for t in TARGETS], folder / "out")
+    list(evaluation.run(dataset.trials, 2))
+    frame = frame_of(evaluation.rows)
+    summary = summarise(frame, "<b>bold & \u00fcber</b>", TARGETS)
+    summary["without_trials"] = ["p99"]
+    summary["excluded"] = [
+        {"recording": "<script>alert(1)</script>", "participant": None, "problem": "gone"}
+    ]
+    write_report(folder / "out", dataset, catalog, frame, summary)
+    return folder / "out", summary, frame
+
+
+def test_files(report):
+    out, summary, frame = report
+    told = json.loads((out / "summary.json").read_text())
+    assert told["targets"]["paper"]["all"] == clean(summary["targets"]["paper"]["all"])
+    assert told["schema"] == "igrip-summary/1"
+    table = pd.read_parquet(out / "trials.parquet")
+    assert len(table) == len(frame) == 5 * 25
+    for name in ("participants", "accuracy", "courses"):
+        assert (out / "figures" / f"{name}.png").stat().st_size > 20_000
+        assert (out / "figures" / f"{name}.svg").read_text().startswith("<?xml")
+
+
+def test_the_page_is_whole_and_says_what_was_found(report):
+    out, summary, _ = report
+    page = (out / "report.html").read_text()
+    assert not re.search(r"(src|href)=\"(?!data:)", page)  # nothing is fetched
+    assert page.count("data:image/svg+xml;base64,") == 4
+    for name in TARGETS:
+        assert f"<td>{name}</td>" in page
+    assert percent(summary["targets"]["paper"]["valid"]["success"]) in page
+    assert "89.9 %" in page  # the paper's, beside ours
+    assert "holds" in page
+    assert "p99" in page
+
+
+def test_names_from_outside_are_escaped(report):
+    page = (report[0] / "report.html").read_text()
+    assert "<script>" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    assert "&lt;b&gt;bold &amp; \u00fcber&lt;/b&gt;" in page
+
+
+def test_a_typical_trial_is_a_successful_one_near_the_medians():
+    rows = pd.DataFrame(
+        {
+            "recording": list("abcd"), "target": "cup", "problem": None,
+            "valid": [True, True, True, False], "success": [True, True, False, True],
+            "delay_s": [0.1, 0.5, None, 0.3], "margin_s": [0.5, 0.5, None, 0.5],
+        }
+    )  # fmt: skip
+    assert typical(rows) in ("a", "b")
+    assert typical(rows[rows["recording"] == "c"]) is None
+
+
+def scored(success, delay, clipped=None, grip=None):
+    clipped = delay if clipped is None else clipped
+    told = {"success": success, "delay_s": delay, "delay_clipped_s": clipped, "frames": success}
+    return {"valid": told if grip is None else told | {"grip_success": grip}}
+
+
+def test_claims_hold_or_do_not():
+    summary = {"targets": {
+        "paper": scored(0.90, 0.5, grip=0.95), "impacts": scored(0.3, 0.9),
+        "distance_derivative": scored(0.7, 0.4), "distance": scored(0.88, -0.1, 0.6),
+        "future_distance": scored(0.91, 0.5),
+    }}  # fmt: skip
+    told = {f.claim: f.holds for f in findings(summary)}
+    assert told == {
+        "the global score beats every single metric": False,
+        "the distance derivative is the earliest": False,
+        "impacts are the latest": True,
+        "the distance derivative is the earliest, runs before the onset counted as 0": True,
+        "impacts are the latest, runs before the onset counted as 0": True,
+        "impacts are the worst": True,
+        "the grip is found more often": True,
+    }
+    assert findings({"targets": {}}) == []
+    assert any(line.startswith("paper, frames: 90.0%") for line in deviations(summary))
+    assert not any(line.startswith("paper, success") for line in deviations(summary))
+
+
+def test_what_is_not_finite_is_null():
+    told = clean({"a": [1.0, math.nan, {"b": math.inf}], "c": "nan"})
+    assert told == {"a": [1.0, None, {"b": None}], "c": "nan"}

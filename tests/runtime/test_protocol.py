@@ -1,0 +1,83 @@
+"""What producers send, taken apart, whatever it is."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from igrip.errors import ObservationError
+from igrip.observation import Observation
+from igrip.runtime.protocol import LARGEST, Command, decode
+
+MESSAGE = {"t": 1.5, "hands": {"right": {"position": [0.1, 0.2, 0.3]}}}
+
+
+def test_json_as_text_and_bytes_and_messagepack_are_the_same():
+    packed = msgspec.msgpack.encode(MESSAGE)
+    text = json.dumps(MESSAGE)
+    assert decode(packed) == decode(text) == decode(text.encode()) == Observation(**MESSAGE)
+
+
+@pytest.mark.parametrize("word", ["veto", "confirm", "opened"])
+def test_words_about_a_lease(word):
+    assert decode(json.dumps({"control": word, "hand": "left"})) == Command(word, "left")
+
+
+@pytest.mark.parametrize(
+    ("data", "field"),
+    [
+        ('{"control": "close", "hand": "left"}', "control"),
+        ('{"control": "veto", "hand": 7}', "hand"),
+        (json.dumps({"t": 1, "hands": {f"h{k}": None for k in range(33)}}), "hands"),
+        (json.dumps({"t": 1, "objects": {f"o{k}": None for k in range(513)}}), "objects"),
+        (json.dumps({"t": 1, "objects": {"x" * 129: None}}), "objects"),
+        ('{"t": NaN}', "t"),
+        ('{"t": 1, "hands": {"right": {"position": [0, 0]}}}', "hands.right.position"),
+        ("[" * 100_000, "message"),
+        (b"\x91" * 100_000, "message"),
+        ('{"t":1,"x":' * 20_000, "message"),
+        (b"\xff\xfe", "message"),
+        ("", "message"),
+        ("null", "message"),
+        (" " * (LARGEST + 1), "message"),
+    ],
+)
+def test_what_is_malformed_names_the_place(data, field):
+    with pytest.raises(ObservationError) as caught:
+        decode(data)
+    assert caught.value.field == field
+
+
+def test_a_veto_that_names_no_hand_is_for_all():
+    assert decode('{"control": "veto"}') == Command("veto", None)
+
+
+@given(st.one_of(st.binary(max_size=200), st.text(max_size=200)))
+def test_nothing_else_is_ever_raised(data):
+    with contextlib.suppress(ObservationError):
+        assert isinstance(decode(data), Observation | Command)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.text(max_size=8) | st.integers(-(2**63), 2**63),
+    lambda inner: (
+        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4)
+    ),
+    max_leaves=12,
+)
+
+
+@given(
+    st.fixed_dictionaries(
+        {}, optional=dict.fromkeys(("t", "hands", "objects", "control", "hand", "schema"), JSON)
+    )
+)
+def test_nor_by_messages_of_odd_parts(raw):
+    for data in (json.dumps(raw), msgspec.msgpack.encode(raw)):
+        with contextlib.suppress(ObservationError):
+            assert isinstance(decode(data), Observation | Command)

@@ -1,0 +1,184 @@
+"""A recording as a film: where it stands, and that a person can play and search it on the page."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from browser import needs_chromium, open_page
+from igrip import Config, Estimator
+from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
+from igrip.lab.simulation.demo import DemoPerson
+from igrip.viewer.playback import Player, Playhead, ReplayWorker, make_film
+from igrip.viewer.server import Viewer
+
+pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+TIMES = st.lists(st.floats(0.0, 100.0), min_size=1, max_size=20, unique=True).map(sorted)
+
+
+def test_by_hand():
+    head = Playhead([0.0, 0.1, 0.2, 0.4])
+    head.tick(1.0)
+    assert head.index == 0  # it does not run yet
+    head.play()
+    head.tick(0.15)
+    assert head.index == 1
+    head.tick(0.15)
+    assert head.index == 2
+    head.speed = 0.5
+    head.tick(0.1)
+    assert head.index == 2  # at 0.35
+    head.tick(5.0)
+    assert (head.index, head.playing) == (3, False)
+    head.play()  # again from the beginning
+    assert (head.index, head.playing) == (0, True)
+    head.step(2)
+    assert (head.index, head.playing) == (2, False)
+    head.step(-10)
+    assert head.index == 0
+    head.seek(0.39)
+    assert head.index == 2
+    head.seek(-3.0)
+    assert head.index == 0
+
+
+@given(TIMES, st.lists(st.floats(-1.0, 101.0), max_size=10))
+def test_it_stands_at_the_last_moment_not_later_than_the_time_sought(times, sought):
+    head = Playhead(times)
+    for t in sought:
+        head.seek(t)
+        clipped = min(max(t, times[0]), times[-1])
+        assert head.index == max(k for k, own in enumerate(times) if own <= clipped)
+
+
+@given(TIMES, st.lists(st.floats(0.0, 5.0), max_size=30))
+def test_playing_reaches_the_end_and_never_goes_back(times, steps):
+    head = Playhead(times)
+    head.play()
+    before = head.index
+    for dt in [*steps, 200.0]:
+        head.tick(dt)
+        assert head.index >= before
+        before = head.index
+    assert head.index == len(times) - 1
+    assert not head.playing
+
+
+@pytest.fixture(scope="module")
+def recording(ycb, tmp_path_factory):
+    path = tmp_path_factory.mktemp("film") / "demo.jsonl"
+    with JsonlWriter(path) as writer:
+        for moment in DemoPerson(ycb, 0):
+            if moment.observation.t > 4.0:
+                break
+            writer.write(moment.observation)
+    return path
+
+
+def test_a_film_holds_what_the_estimator_says(recording, ycb):
+    film = make_film(JsonlReader(recording), ycb, Config(targets="paper"))
+    estimator = Estimator(ycb, Config(targets="paper"))
+    said = [estimator.update(observation) for observation in JsonlReader(recording)]
+    assert [
+        [h.intention for h in moment.hands if h.intention.t == moment.t] for moment in film
+    ] == said
+    later = make_film(JsonlReader(recording), ycb, Config(targets="paper"), begin=2.0)
+    assert later[0].t == pytest.approx(2.0, abs=1 / 30)
+    says = [[h.intention for h in moment.hands] for moment in film if moment.t >= 2.0]
+    assert [[h.intention for h in moment.hands] for moment in later] == says
+
+
+@pytest.mark.browser
+@needs_chromium
+def test_playing_on_the_page(recording, ycb):
+    film = make_film(JsonlReader(recording), ycb, Config())
+    viewer = Viewer(port=8475)
+    player, end = Player(viewer, film), threading.Event()
+    thread = threading.Thread(target=player.run, args=(end.is_set,))
+    thread.start()
+
+    def shown(page):
+        return float(re.search(r"t = ([\d.]+) s", page.inner_text("body")).group(1))
+
+    def wait_for(page, condition):
+        deadline = time.monotonic() + 20
+        while not condition(shown(page)) and time.monotonic() < deadline:
+            page.wait_for_timeout(100)
+        assert condition(shown(page)), shown(page)
+
+    try:
+        with open_page(viewer.url) as page:
+            page.get_by_text(re.compile("t = ")).first.wait_for()
+            times = [round(moment.t, 2) for moment in film]
+            wait_for(page, lambda t: t == times[0])
+            page.get_by_text(">", exact=True).click()
+            wait_for(page, lambda t: t == times[1])
+            page.get_by_text(">|", exact=True).click()
+            wait_for(page, lambda t: t == times[-1])
+            page.get_by_text("<", exact=True).click()
+            wait_for(page, lambda t: t == times[-2])
+            page.get_by_text("|<", exact=True).click()
+            wait_for(page, lambda t: t == times[0])
+            page.get_by_role("button", name="Play").click()
+            page.get_by_role("button", name="Pause").wait_for()
+            wait_for(page, lambda t: t > 1.0)
+            page.get_by_role("button", name="Pause").click()
+            page.get_by_role("button", name="Play").wait_for()
+            page.wait_for_timeout(500)
+            still = shown(page)
+            page.wait_for_timeout(500)
+            assert shown(page) == still
+            scrub = page.get_by_role("slider").first
+            scrub.focus()
+            scrub.press("End")
+            wait_for(page, lambda t: t == times[-1])
+    finally:
+        end.set()
+        thread.join()
+        viewer.close()
+
+
+def test_the_estimator_that_was_wanted_last_is_shown():
+    begun, go_on, said = threading.Event(), threading.Event(), []
+
+    def make(name):
+        begun.set()
+        if name == "slow":
+            go_on.wait(10)
+        return [name]
+
+    films, done = [], threading.Event()
+
+    def take(film):
+        films.append(film)
+        done.set()
+
+    cutter = ReplayWorker(make)
+    cutter.start(take, said.append)
+    cutter.want("slow")
+    assert begun.wait(10)
+    cutter.want("other")
+    cutter.want("quick")
+    go_on.set()
+    assert done.wait(10)
+    assert films == [["quick"]]
+    assert said[:2] == ["running slow …", "running quick …"]
+
+
+def test_another_film_goes_on_where_the_last_one_stood(recording, ycb):
+    film = make_film(JsonlReader(recording), ycb, Config())
+    viewer = Viewer(port=8475)
+    try:
+        player = Player(viewer, film)
+        player.head.seek(2.0)
+        player.head.speed = 0.25
+        player.take(make_film(JsonlReader(recording), ycb, Config(targets="distance")))
+        assert film[player.head.index].t == pytest.approx(2.0, abs=1 / 30)
+        assert player.head.speed == 0.25
+    finally:
+        viewer.close()
