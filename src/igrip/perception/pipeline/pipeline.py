@@ -148,7 +148,7 @@ class Pipeline:
         try:
             for frame in self._camera:
                 now = self._clock()
-                self.frames.note(now, 0.0, now - frame.t)
+                self.frames.add(now, 0.0, now - frame.t)
                 for stage in self._stages_of(frame.camera):
                     stage.inlet.put(frame)
         except Exception as error:  # what goes wrong here is told where the stream is read

@@ -75,8 +75,8 @@ class Worker(Generic[T]):
 
     def _work_on(self) -> None:
         in_a_row = 0
-        while not self.inlet.over:
-            frame = self.inlet.take()
+        while not self.inlet.finished:
+            frame = self.inlet.get()
             if frame is None:
                 continue
             begin = self._clock()
@@ -93,5 +93,5 @@ class Worker(Generic[T]):
                 continue
             in_a_row = 0
             now = self._clock()
-            self.meter.note(now, now - begin, now - frame.t)
+            self.meter.add(now, now - begin, now - frame.t)
             self._hand_on(result)

@@ -1,24 +1,42 @@
-"""What an output is: something that takes envelopes and never waits."""
+"""Outputs of the loop, by name: where intentions go."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
 from igrip.registry import Registry
+from igrip.runtime.connections import Options, Receiver
 from igrip.runtime.envelope import Envelope
 
 
 class Output(Protocol):
-    """One way out."""
+    """Sends intentions to other programs; made from options, and never blocks the loop."""
+
+    def __init__(self, options: Options) -> None:
+        """Check the options; connect to nothing yet."""
+        ...
+
+    def start(self, loop: Receiver) -> None:
+        """Open the connection."""
+        ...
 
     def send(self, envelope: Envelope) -> None:
-        """Take an intention; return at once, whatever becomes of it."""
+        """Send an intention, now or soon.
+
+        Raises
+        ------
+        BrokenPipeError
+            If nobody can receive it any more.
+        """
+        ...
 
     def close(self) -> None:
-        """Say goodbye."""
+        """Send what waits, for a bounded time, and disconnect; may be called twice."""
+        ...
 
     def counts(self) -> dict[str, int]:
-        """Return how many messages were sent, and how many lost, by why."""
+        """Return how many intentions were ``sent``, and how many were ``lost``."""
+        ...
 
 
 OUTPUTS: Registry[type[Output]] = Registry("output", "igrip.runtime.outputs", "igrip.outputs")

@@ -1,0 +1,131 @@
+"""A bounded queue between threads: the newest items stay, and every loss is counted."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, deque
+from collections.abc import Hashable
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class _Lane(Generic[T]):
+    """Items in order of arrival, and how many of them each sender has."""
+
+    def __init__(self) -> None:
+        self.items: deque[tuple[Hashable, T]] = deque()
+        self._waiting: Counter[Hashable] = Counter()
+
+    def append(self, sender: Hashable, item: T) -> None:
+        self.items.append((sender, item))
+        self._waiting[sender] += 1
+
+    def pop(self, index: int = 0) -> T:
+        sender, item = self.items[index]
+        del self.items[index]
+        self._waiting[sender] -= 1
+        if not self._waiting[sender]:
+            del self._waiting[sender]
+        return item
+
+    def drop(self) -> None:
+        """Remove the oldest item of the sender that has most waiting."""
+        busiest = max(self._waiting, key=lambda sender: self._waiting[sender])
+        self.pop(next(k for k, (sender, _) in enumerate(self.items) if sender == busiest))
+
+
+class BoundedQueue(Generic[T]):
+    """A queue that drops old items rather than grow.
+
+    Parameters
+    ----------
+    max_waiting : int
+        How many items may wait. One more drops the oldest of the sender that has most waiting: a
+        sender that floods the queue loses only its own. Urgent items have as many places of
+        their own.
+
+    Attributes
+    ----------
+    counts : Counter
+        ``received``, ``dropped``, and whatever :meth:`count` is called with.
+    """
+
+    def __init__(self, max_waiting: int = 256) -> None:
+        self._max_waiting = max_waiting
+        self._lane: _Lane[T] = _Lane()
+        self._urgent: _Lane[T] = _Lane()
+        self._readers = 0
+        self._change = threading.Condition()
+        self._closed = False
+        self.counts: Counter[str] = Counter()
+
+    def put(
+        self, item: T, sender: Hashable = None, wait: bool = False, urgent: bool = False
+    ) -> None:
+        """Add an item.
+
+        Parameters
+        ----------
+        item
+            The item.
+        sender : hashable
+            Who sent it.
+        wait : bool
+            Whether to wait for room, rather than to drop an item.
+        urgent : bool
+            Whether it overtakes all items that are not.
+        """
+        lane = self._urgent if urgent else self._lane
+        with self._change:
+            if wait:
+                self._change.wait_for(lambda: len(lane.items) < self._max_waiting or self._closed)
+            elif len(lane.items) >= self._max_waiting:
+                lane.drop()
+                self.counts["dropped"] += 1
+            lane.append(sender, item)
+            self.counts["received"] += 1
+            self._change.notify_all()
+
+    def get(self, timeout: float | None = None) -> T | None:
+        """Remove and return the oldest item; None if there is none within ``timeout`` [s]."""
+        with self._change:
+            self._readers += 1
+            self._change.notify_all()
+            self._change.wait_for(lambda: len(self) or self._closed, timeout)
+            self._readers -= 1
+            lane = self._urgent if self._urgent.items else self._lane
+            item = lane.pop() if lane.items else None
+            self._change.notify_all()
+            return item
+
+    def wait_for_reader(self) -> bool:
+        """Block until a reader waits for an item that is not there; False: it is closed."""
+        with self._change:
+            self._change.wait_for(lambda: self._readers > len(self) or self._closed)
+            return not self._closed
+
+    def count(self, event: str) -> None:
+        """Count an event; from any thread."""
+        with self._change:
+            self.counts[event] += 1
+
+    def close(self) -> None:
+        """Declare that no more items come; those that wait can still be fetched."""
+        with self._change:
+            self._closed = True
+            self._change.notify_all()
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is closed and empty."""
+        with self._change:
+            return self._closed and not len(self)
+
+    def __len__(self) -> int:
+        return len(self._lane.items) + len(self._urgent.items)
+
+    def report(self) -> dict[str, Any]:
+        """Return the counts, and how many items wait."""
+        with self._change:
+            return {**self.counts, "waiting": len(self)}
