@@ -12,19 +12,9 @@ from urllib.parse import parse_qsl
 import typer
 from rich.live import Live
 
+from igrip.cli import estimator_setup as setup
 from igrip.cli.console import errors, output, print_json
 from igrip.cli.live_table import markdown_of, table_of
-from igrip.cli.run_options import (
-    RELIABILITY,
-    Assisted,
-    Confirm,
-    Host,
-    Port,
-    Reliability,
-    Targets,
-    Token,
-    estimator_config,
-)
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
@@ -33,12 +23,11 @@ from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.pipeline.detectors import hand_eye, object_eye, read_options, warm_up_eyes
 from igrip.perception.pipeline.pipeline import Pipeline
-from igrip.runtime.clock_sync import MachineClock
-from igrip.runtime.connections import HANDS, Options
+from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.loop import Loop
+from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
-from igrip.runtime.warm_up import warm_up
 from igrip.viewer.camera_panel import PicturePanel, Seen
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
@@ -85,18 +74,18 @@ def live(
         list[str] | None,
         typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
     ] = None,
-    targets: Targets = None,
-    assisted: Assisted = None,
-    reliability: Reliability = RELIABILITY,
-    confirm: Confirm = False,
+    targets: setup.Targets = None,
+    assisted: setup.Assisted = None,
+    reliability: setup.Reliability = setup.RELIABILITY,
+    confirm: setup.Confirm = False,
     seconds: Annotated[
         float | None, typer.Option(help="Default: until Ctrl-C, or the end of a recording.", min=0)
     ] = None,
     headless: Annotated[bool, typer.Option(help="No page in the browser.")] = False,
     page_port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
-    host: Host = "127.0.0.1",
-    port: Port = 8765,
-    token: Token = None,
+    host: setup.Host = "127.0.0.1",
+    port: setup.Port = 8765,
+    token: setup.Token = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the counts at the end.")] = False,
 ) -> None:  # fmt: skip
     """Watch a camera and predict what each hand is about to grasp, and with which grip.
@@ -105,10 +94,9 @@ def live(
 
     Example, without a camera: igrip live --camera rendered
     """
-    output_types = {name: OUTPUTS.get(name) for name in tell or []}
     options = Options(host, port, token, hands=tuple(assisted or HANDS))
-    outputs = {name: kind(options) for name, kind in output_types.items()}
-    config = estimator_config(targets, assisted, reliability, confirm)
+    outputs = {name: OUTPUTS.get(name)(options) for name in tell or []}
+    config = setup.estimator_config(targets, assisted, reliability, confirm)
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
             known = load_objects(*(catalog or ["ycb"]))
@@ -117,7 +105,7 @@ def live(
             pose_options["models"] = models
             for name in models:
                 known[name]
-            warm_up(config, known)
+            setup.warm_up(config, known)
             count = _check(camera, calibration)
             new_hands = None if hands == NOTHING else hand_eye(hands, max_hands, apart, count)
             new_objects = None if objects == NOTHING else object_eye(objects, known, pose_options)
@@ -126,8 +114,9 @@ def live(
         pipeline = stack.enter_context(Pipeline(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
         loop = Loop(
-            Estimator(known, config), MachineClock(pipeline.begin),
-            {"camera": StreamInput(pipeline)}, outputs, recorder,
+            Estimator(known, config), RunClock(pipeline.begin),
+            {"camera": StreamInput(pipeline)}, outputs,
+            record=None if recorder is None else recorder.write,
             announce=lambda address: errors.print(address, soft_wrap=True),
             source_report=lambda: {"stages": pipeline.report()},
         )  # fmt: skip

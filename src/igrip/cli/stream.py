@@ -7,28 +7,17 @@ from typing import Annotated, Any
 
 import typer
 
+from igrip.cli import estimator_setup as setup
 from igrip.cli.console import errors
-from igrip.cli.run_options import (
-    RELIABILITY,
-    Assisted,
-    Confirm,
-    Host,
-    Port,
-    Reliability,
-    Targets,
-    Token,
-    estimator_config,
-)
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.objects.catalog import load_objects
 from igrip.runtime.clock_sync import ArrivalClock, SenderClock
-from igrip.runtime.connections import HANDS, Options
 from igrip.runtime.inputs import INPUTS
 from igrip.runtime.loop import Loop
+from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
-from igrip.runtime.warm_up import warm_up
 
 
 def stream(
@@ -50,13 +39,13 @@ def stream(
         typer.Option(help="A model to read now rather than when it first appears, which can take "
                      "seconds on a new machine; repeatable."),
     ] = None,
-    targets: Targets = None,
-    assisted: Assisted = None,
-    reliability: Reliability = RELIABILITY,
-    confirm: Confirm = False,
-    host: Host = "127.0.0.1",
-    port: Port = 8765,
-    token: Token = None,
+    targets: setup.Targets = None,
+    assisted: setup.Assisted = None,
+    reliability: setup.Reliability = setup.RELIABILITY,
+    confirm: setup.Confirm = False,
+    host: setup.Host = "127.0.0.1",
+    port: setup.Port = 8765,
+    token: setup.Token = None,
     name: Annotated[str, typer.Option(help="Of the LSL streams.")] = "igrip",
     senders_clock: Annotated[
         bool | None,
@@ -72,27 +61,25 @@ def stream(
 
     Example: igrip stream --in stdin --out stdout < reach.jsonl
     """
-    input_types = {key: INPUTS.get(key) for key in inputs or ["ws"]}
-    output_types = {key: OUTPUTS.get(key) for key in outputs or ["ws"]}
-    piped = len(input_types) == 1 and all(kind.single_sender for kind in input_types.values())
+    options = Options(host, port, token, name, tuple(assisted or HANDS))
+    members = {key: INPUTS.get(key)(options) for key in inputs or ["ws"]}
+    outlets = {key: OUTPUTS.get(key)(options) for key in outputs or ["ws"]}
+    piped = len(members) == 1 and all(member.single_sender for member in members.values())
     if senders_clock and not piped:
         raise IgripError(
             "--senders-clock is for --in stdin alone: with several senders, one clock would rule"
         )
-    options = Options(host, port, token, name, tuple(assisted or HANDS), piped)
-    made_inputs = {key: kind(options) for key, kind in input_types.items()}
-    made_outputs = {key: kind(options) for key, kind in output_types.items()}
-    config = estimator_config(targets, assisted, reliability, confirm)
+    config = setup.estimator_config(targets, assisted, reliability, confirm)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects(*(objects or ["ycb"]))
         for model in preload or []:
             catalog[model]
-        warm_up(config, catalog)
+        setup.warm_up(config, catalog)
     errors.print(f"commits for: {', '.join(assisted) if assisted else 'every hand'}")
-    on_senders_clock = piped if senders_clock is None else senders_clock
+    by_sender = piped if senders_clock is None else senders_clock
     loop = Loop(
-        Estimator(catalog, config), SenderClock() if on_senders_clock else ArrivalClock(),
-        made_inputs, made_outputs, announce=lambda address: errors.print(address, soft_wrap=True),
+        Estimator(catalog, config), SenderClock() if by_sender else ArrivalClock(), members,
+        outlets, piped, announce=lambda address: errors.print(address, soft_wrap=True),
     )  # fmt: skip
 
     def stop_without_receivers(intentions: list[Intention]) -> None:

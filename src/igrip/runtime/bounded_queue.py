@@ -10,51 +10,25 @@ from typing import Any, Generic, TypeVar
 T = TypeVar("T")
 
 
-class _Lane(Generic[T]):
-    """Items in order of arrival, and how many of them each sender has."""
-
-    def __init__(self) -> None:
-        self.items: deque[tuple[Hashable, T]] = deque()
-        self._waiting: Counter[Hashable] = Counter()
-
-    def append(self, sender: Hashable, item: T) -> None:
-        self.items.append((sender, item))
-        self._waiting[sender] += 1
-
-    def pop(self, index: int = 0) -> T:
-        sender, item = self.items[index]
-        del self.items[index]
-        self._waiting[sender] -= 1
-        if not self._waiting[sender]:
-            del self._waiting[sender]
-        return item
-
-    def drop(self) -> None:
-        """Remove the oldest item of the sender that has most waiting."""
-        busiest = max(self._waiting, key=lambda sender: self._waiting[sender])
-        self.pop(next(k for k, (sender, _) in enumerate(self.items) if sender == busiest))
-
-
 class BoundedQueue(Generic[T]):
     """A queue that drops old items rather than grow.
 
     Parameters
     ----------
     max_waiting : int
-        How many items may wait. One more drops the oldest of the sender that has most waiting: a
-        sender that floods the queue loses only its own. Urgent items have as many places of
-        their own.
+        How many items may wait, urgent and other ones each. One more drops the oldest of the
+        sender that has most waiting: a sender that floods the queue loses only its own.
 
     Attributes
     ----------
     counts : Counter
-        ``received``, ``dropped``, and whatever :meth:`count` is called with.
+        ``received``, ``dropped``, and the events that :meth:`count` is called with.
     """
 
     def __init__(self, max_waiting: int = 256) -> None:
         self._max_waiting = max_waiting
-        self._lane: _Lane[T] = _Lane()
-        self._urgent: _Lane[T] = _Lane()
+        self._items: deque[tuple[Hashable, T]] = deque()
+        self._urgent: deque[tuple[Hashable, T]] = deque()
         self._readers = 0
         self._change = threading.Condition()
         self._closed = False
@@ -63,27 +37,24 @@ class BoundedQueue(Generic[T]):
     def put(
         self, item: T, sender: Hashable = None, wait: bool = False, urgent: bool = False
     ) -> None:
-        """Add an item.
+        """Add an item of a sender.
 
         Parameters
         ----------
-        item
-            The item.
-        sender : hashable
-            Who sent it.
         wait : bool
             Whether to wait for room, rather than to drop an item.
         urgent : bool
             Whether it overtakes all items that are not.
         """
-        lane = self._urgent if urgent else self._lane
+        items = self._urgent if urgent else self._items
         with self._change:
             if wait:
-                self._change.wait_for(lambda: len(lane.items) < self._max_waiting or self._closed)
-            elif len(lane.items) >= self._max_waiting:
-                lane.drop()
+                self._change.wait_for(lambda: len(items) < self._max_waiting or self._closed)
+            elif len(items) >= self._max_waiting:
+                busiest = Counter(sender for sender, _ in items).most_common(1)[0][0]
+                del items[next(k for k, (sender, _) in enumerate(items) if sender == busiest)]
                 self.counts["dropped"] += 1
-            lane.append(sender, item)
+            items.append((sender, item))
             self.counts["received"] += 1
             self._change.notify_all()
 
@@ -94,10 +65,11 @@ class BoundedQueue(Generic[T]):
             self._change.notify_all()
             self._change.wait_for(lambda: len(self) or self._closed, timeout)
             self._readers -= 1
-            lane = self._urgent if self._urgent.items else self._lane
-            item = lane.pop() if lane.items else None
+            items = self._urgent or self._items
+            if not items:
+                return None
             self._change.notify_all()
-            return item
+            return items.popleft()[1]
 
     def wait_for_reader(self) -> bool:
         """Block until a reader waits for an item that is not there; False: it is closed."""
@@ -119,11 +91,10 @@ class BoundedQueue(Generic[T]):
     @property
     def finished(self) -> bool:
         """Whether it is closed and empty."""
-        with self._change:
-            return self._closed and not len(self)
+        return self._closed and not len(self)
 
     def __len__(self) -> int:
-        return len(self._lane.items) + len(self._urgent.items)
+        return len(self._items) + len(self._urgent)
 
     def report(self) -> dict[str, Any]:
         """Return the counts, and how many items wait."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import msgspec
 
@@ -13,10 +13,8 @@ from igrip.entities import Hand, ObjectPose
 from igrip.observation import Observation
 
 STEP = 1.0  # s by which a sender's times must go back for its clock to have been set anew
+STEP_MESSAGES = 8  # messages in a row that show it before a clock counts as set anew
 MAX_DRIFT = 1e-3  # s per second by which a sender's clock may fall behind; more is lateness
-STEP_MESSAGES = (
-    8  # messages in a row that lie before the newest before a clock is taken as set anew
-)
 
 
 class ClockOffset:
@@ -45,8 +43,15 @@ class ClockOffset:
         return self._offset
 
 
-class RunClock(Protocol):
-    """The clock that a run's messages are dated by and that ages are counted on.
+class RunClock:
+    """The clock of a run: this machine's, for messages that are dated by it already.
+
+    Parameters
+    ----------
+    begin : float, optional
+        When the run begins, on ``clock`` [s]; by default now.
+    clock : function
+        A monotonic clock [s].
 
     Attributes
     ----------
@@ -54,11 +59,18 @@ class RunClock(Protocol):
         Whether time passes in silence, so that the estimator needs ticks.
     """
 
-    ticks: bool
+    ticks = True
+
+    def __init__(
+        self, begin: float | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._clock = clock
+        self._begin = clock() if begin is None else begin
+        self._newest = 0.0
 
     def now(self) -> float:
         """Return the time since the run began [s]; from any thread."""
-        ...
+        return self._clock() - self._begin
 
     def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
         """Return a message with its time on this clock; times never decrease.
@@ -72,51 +84,22 @@ class RunClock(Protocol):
         offset : ClockOffset
             That of its sender's clock.
         """
-        ...
-
-
-class MachineClock:
-    """The monotonic clock of this machine, for messages that are dated by it already.
-
-    Parameters
-    ----------
-    begin : float, optional
-        When the run begins, on ``clock`` [s]; by default now.
-    clock : function
-        A monotonic clock [s].
-    """
-
-    ticks = True
-
-    def __init__(
-        self, begin: float | None = None, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        self._clock = clock
-        self._begin = clock() if begin is None else begin
-        self._newest = 0.0
-
-    def now(self) -> float:
-        """Return the time since the run began [s]."""
-        return self._clock() - self._begin
-
-    def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
-        """Return the message; a late one is dated no earlier than the one before it."""
         if message.t < self._newest:
             return restamp(message, self._newest, 0.0)
         self._newest = message.t
         return message
 
 
-class ArrivalClock(MachineClock):
-    """The monotonic clock of this machine, for messages that are dated by other clocks."""
+class ArrivalClock(RunClock):
+    """The clock of this machine, for messages that are dated by other clocks."""
 
     def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
-        """Return the message, dated by its arrival; its entities keep their ages."""
+        """Return a message dated by its arrival; its entities keep their ages."""
         self._newest = max(arrived, self._newest)  # it may have arrived just before a tick
         return restamp(message, self._newest, offset.update(message.t, self._newest))
 
 
-class SenderClock:
+class SenderClock(RunClock):
     """The clock of a single sender, such as a recording that is piped in.
 
     No time passes between its messages: neither silence nor slow processing makes one older. A
@@ -126,7 +109,7 @@ class SenderClock:
     ticks = False
 
     def __init__(self) -> None:
-        self._newest = 0.0
+        super().__init__()
         self._offset = 0.0
         self._behind = 0
 
@@ -135,7 +118,7 @@ class SenderClock:
         return self._newest
 
     def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
-        """Return the message as it is dated; a late one keeps its time as that of measurement."""
+        """Return a message as it is dated; a late one keeps its time as that of measurement."""
         t = message.t + self._offset
         self._behind = self._behind + 1 if t < self._newest - STEP else 0
         if self._behind >= STEP_MESSAGES:

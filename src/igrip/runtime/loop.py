@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from types import TracebackType
 from typing import Any, NamedTuple, Protocol
 
 from igrip.errors import IgripError, ObservationError
@@ -14,24 +12,68 @@ from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.observation import Observation
 from igrip.runtime.bounded_queue import BoundedQueue
-from igrip.runtime.clock_sync import RunClock
-from igrip.runtime.connections import Sender
-from igrip.runtime.envelope import Sequencer
-from igrip.runtime.inputs import Input
+from igrip.runtime.clock_sync import ClockOffset, RunClock
+from igrip.runtime.envelope import Envelope, Sequencer
 from igrip.runtime.latency import LatencyMeter
-from igrip.runtime.outputs import Output
 from igrip.runtime.protocol import Command
 
 TICK = 0.05  # s of silence after which the estimator gets a tick (DESIGN §3)
 REPORT_INTERVAL = 1.0  # s
 
 
-class Recorder(Protocol):
-    """Records the estimator's input."""
+class Sender:
+    """The origin of messages.
 
-    def write(self, message: Observation) -> None:
-        """Write one message."""
-        ...
+    Parameters
+    ----------
+    reply : function, optional
+        Called with the error if a message of this sender is refused; from any thread.
+    """
+
+    def __init__(self, reply: Callable[[ObservationError], None] = lambda error: None) -> None:
+        self.reply = reply
+        self.offset = ClockOffset()
+
+
+class Input(Protocol):
+    """Submits messages to the loop, from threads of its own.
+
+    Attributes
+    ----------
+    single_sender : bool
+        Whether all messages come from one sender and end with it: alone, such an input can run on
+        the sender's clock.
+    """
+
+    single_sender: bool
+
+    def start(self, loop: Loop) -> None:
+        """Begin to submit messages."""
+
+    def close(self) -> None:
+        """Submit no more; may be called twice."""
+
+
+class Output(Protocol):
+    """Sends intentions to other programs."""
+
+    def start(self, loop: Loop) -> None:
+        """Open the connection."""
+
+    def send(self, envelope: Envelope) -> None:
+        """Send an intention, now or soon; blocks in piped runs only.
+
+        Raises
+        ------
+        BrokenPipeError
+            If nobody can receive it any more.
+        """
+
+    def close(self) -> None:
+        """Send what waits, for a bounded time, and disconnect; may be called twice."""
+
+    def counts(self) -> dict[str, int]:
+        """Return how many intentions were ``sent``, how many ``lost``, and more."""
 
 
 class _Item(NamedTuple):
@@ -43,10 +85,10 @@ class _Item(NamedTuple):
 class Loop:
     """Runs one estimator on the messages that its inputs submit.
 
-    Every message is dated when it is submitted, on the clock of the run; ages count from then.
-    Commands overtake observations. After 50 ms without an update the estimator gets a tick, where
-    the clock runs on in silence. Used as a context manager, it starts inputs and outputs, and
-    closes them at the end.
+    Each message is dated when it is submitted, on the clock of the run, and ages count from then.
+    Commands overtake observations. Where the clock runs on in silence, the estimator gets a tick
+    after 50 ms without an update. As a context manager, the loop starts its inputs and outputs,
+    and closes them at the end.
 
     Parameters
     ----------
@@ -54,12 +96,12 @@ class Loop:
         New.
     clock : RunClock
         The clock of the run.
-    inputs : mapping of str to Input
-        They are started after the outputs.
-    outputs : mapping of str to Output
-        One whose receivers have all gone is not used any more.
-    recorder : Recorder, optional
-        Gets every observation before the estimator does: what was recorded can be replayed.
+    inputs, outputs : mapping of str to Input, to Output
+        An output whose receivers have all gone is not used any more.
+    piped : bool
+        Whether a recording is piped through: nothing is dropped, and the run ends with its input.
+    record : function, optional
+        Called with every observation before the estimator is, so that it can be replayed.
     announce : function
         Called with each address at which others can connect.
     source_report : function
@@ -73,52 +115,47 @@ class Loop:
 
     def __init__(
         self, estimator: Estimator, clock: RunClock, inputs: Mapping[str, Input] | None = None,
-        outputs: Mapping[str, Output] | None = None, recorder: Recorder | None = None,
+        outputs: Mapping[str, Output] | None = None, piped: bool = False,
+        record: Callable[[Observation], None] | None = None,
         announce: Callable[[str], None] = lambda address: None,
         source_report: Callable[[], dict[str, Any]] = dict,
     ) -> None:  # fmt: skip
-        self.estimator, self._clock, self._recorder = estimator, clock, recorder
+        self.estimator, self.piped, self.announce = estimator, piped, announce
+        self._clock, self._record, self._source_report = clock, record, source_report
         self._inputs, self._outputs = dict(inputs or {}), dict(outputs or {})
-        self.announce, self._source_report = announce, source_report
+        self._broken: set[str] = set()
         self._queue: BoundedQueue[_Item] = BoundedQueue()
         self._sequencer = Sequencer(clock.now)
         self._ticker = Sender()
         self._updated = clock.now()
-        self._broken: set[str] = set()
         self._error: Exception | None = None
-        self._stack = ExitStack()
-        self._lock = threading.Lock()
-        self._report: dict[str, Any] = {}
+        self._started = ExitStack()
         self._on_update: Callable[[list[Intention]], None] = lambda intentions: None
         self.latency = LatencyMeter()
+        self._update_report()
 
     def __enter__(self) -> Loop:
-        self._update_report()
         with ExitStack() as stack:
-            for part in (*self._outputs.values(), *self._inputs.values()):
+            parts: list[Input | Output] = [*self._outputs.values(), *self._inputs.values()]
+            for part in parts:
                 stack.callback(part.close)
                 part.start(self)
-            self._stack = stack.pop_all()
+            self._started = stack.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self._queue.close()
-        self._stack.close()
+        self._started.close()
         self._update_report()
 
     @property
     def session(self) -> str:
-        """Identifies this run."""
+        """The identifier of this run."""
         return self._sequencer.session
 
     @property
     def abandoned(self) -> bool:
-        """Whether there were outputs and nobody receives any of them any more."""
+        """Whether there are outputs and nobody receives from any of them any more."""
         return bool(self._outputs) and len(self._broken) == len(self._outputs)
 
     def submit(self, message: Observation | Command, sender: Sender, wait: bool = False) -> None:
@@ -145,7 +182,7 @@ class Loop:
         Parameters
         ----------
         on_update : function
-            Called after each update with the intentions that changed; must not block.
+            Called after each update with its intentions; must not block.
         """
         self._on_update = on_update
         reported = time.monotonic()
@@ -154,7 +191,6 @@ class Loop:
             if time.monotonic() - reported >= REPORT_INTERVAL:
                 reported = time.monotonic()
                 self._update_report()
-        self._update_report()
         if self._error is not None:
             raise self._error
 
@@ -181,8 +217,8 @@ class Loop:
             sender.reply(ObservationError("hand", str(error)))
 
     def _update(self, message: Observation, sender: Sender) -> None:
-        if self._recorder is not None:
-            self._recorder.write(message)
+        if self._record is not None:
+            self._record(message)
         begin = time.perf_counter()
         intentions = self._accepted(message, sender)
         if intentions is None:
@@ -196,41 +232,37 @@ class Loop:
         self._on_update(intentions)
 
     def _accepted(self, message: Observation, sender: Sender) -> list[Intention] | None:
-        """Update the estimator without the objects that it refuses; None: it refuses all."""
+        """Update the estimator, without the objects that it refuses; None: it refuses all."""
         while True:
             try:
                 return self.estimator.update(message)
             except ObservationError as error:
                 self.count("refused")
                 sender.reply(error)
-                refused = [id for id in message.objects if error.field == f"objects.{id:.80}.model"]
-                if not refused:
+                objects = {
+                    id: pose for id, pose in message.objects.items()
+                    if error.field != f"objects.{id:.80}.model"
+                }  # fmt: skip
+                if len(objects) == len(message.objects):
                     return None
-                objects = {id: p for id, p in message.objects.items() if id not in refused}
                 message = Observation(t=message.t, hands=dict(message.hands), objects=objects)
 
     def _send(self, intentions: list[Intention], arrived: float) -> None:
         for intention in intentions:
             envelope = self._sequencer.wrap(intention, arrived)
-            for name, output in self._outputs.items():
-                if name in self._broken:
-                    continue
+            for name in self._outputs.keys() - self._broken:
                 try:
-                    output.send(envelope)
-                except BrokenPipeError:  # its receiver has gone; the others stay
+                    self._outputs[name].send(envelope)
+                except BrokenPipeError:  # its receivers have gone; the other outputs stay
                     self._broken.add(name)
 
     def _update_report(self) -> None:
-        report = {
+        self._report = {
             "session": self.session, "intentions": self._sequencer.count,
             "incoming": self._queue.report(), "inputs": self.estimator.inputs(),
             "outputs": {name: output.counts() for name, output in self._outputs.items()},
         }  # fmt: skip
-        with self._lock:
-            self._report = report
 
     def status(self) -> dict[str, Any]:
-        """Return the counts of the newest report, and the latency; from any thread."""
-        with self._lock:
-            report = dict(self._report)
-        return self._source_report() | report | {"update": self.latency.summary()}
+        """Return the counts, as of the newest report, and the latency; from any thread."""
+        return self._source_report() | self._report | {"update": self.latency.summary()}

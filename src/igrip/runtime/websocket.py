@@ -16,8 +16,9 @@ from urllib.parse import parse_qs, urlsplit
 
 from igrip.errors import IgripError, ObservationError, requires_extra
 from igrip.runtime.access import Access
-from igrip.runtime.connections import Options, Receiver, Sender
 from igrip.runtime.envelope import Envelope
+from igrip.runtime.loop import Loop, Sender
+from igrip.runtime.options import Options
 from igrip.runtime.protocol import MAX_SIZE, Command, decode
 
 with requires_extra("websockets", "outputs", "the WebSocket server"):
@@ -62,7 +63,8 @@ class _Client:
 class WebSocketServer:
     """``/observations`` (in), ``/intentions`` (out) and ``/status`` (HTTP), in its own thread.
 
-    Commands are accepted on both paths, observations on their own only.
+    Commands are accepted on both paths, observations on their own only. It serves the paths that
+    :meth:`shared` is called with.
 
     Parameters
     ----------
@@ -72,6 +74,8 @@ class WebSocketServer:
         Who may connect.
     """
 
+    single_sender = False
+
     def __init__(self, host: str, port: int, access: Access) -> None:
         self._host, self.port, self._access = host, port, access
         self._paths: set[str] = set()
@@ -79,29 +83,23 @@ class WebSocketServer:
         self._listeners: set[_Client] = set()  # clients of /intentions
         self._background: set[asyncio.Future[None]] = set()
         self._counts: Counter[str] = Counter()
-        self._loop: asyncio.AbstractEventLoop | None = None
+        self._events: asyncio.AbstractEventLoop | None = None
         self._stop = asyncio.Event()
         self._ready = threading.Event()
         self._error: OSError | None = None
         self._thread: threading.Thread | None = None
-        self._receiver: Receiver
 
     @classmethod
     def shared(cls, options: Options, path: str) -> WebSocketServer:
-        """Return the one server of a run, which serves this path too."""
-        server: WebSocketServer | None = options.shared.get("websocket")
-        if server is None:
-            server = cls(options.host, options.port, Access(options.host, options.token))
-            options.shared["websocket"] = server
+        """Return the one server of a run; it serves this path too."""
+        if "websocket" not in options.shared:
+            access = Access(options.host, options.token)
+            options.shared["websocket"] = cls(options.host, options.port, access)
+        server: WebSocketServer = options.shared["websocket"]
         server._paths.add(path)
         return server
 
-    @property
-    def address(self) -> str:
-        """Where it listens."""
-        return f"ws://{f'[{self._host}]' if ':' in self._host else self._host}:{self.port}"
-
-    def start(self, receiver: Receiver) -> None:
+    def start(self, loop: Loop) -> None:
         """Begin to listen, unless it does so already.
 
         Raises
@@ -111,13 +109,14 @@ class WebSocketServer:
         """
         if self._thread is not None:
             return
-        self._receiver = receiver
+        self._loop = loop
         self._thread = threading.Thread(target=self._run, name="igrip-websocket", daemon=True)
         self._thread.start()
         self._ready.wait()
         if self._error is not None:
             raise IgripError(f"cannot listen on {self._host}:{self.port}: {self._error.strerror}")
-        receiver.announce(self.address)
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        loop.announce(f"ws://{host}:{self.port}")
 
     def send(self, envelope: Envelope) -> None:
         """Queue an intention for every client; never blocks."""
@@ -135,9 +134,9 @@ class WebSocketServer:
 
     def call_soon(self, function: Any, *arguments: Any) -> None:
         """Call a function in the server's thread; from any thread."""
-        if self._loop is not None:
+        if self._events is not None:
             with contextlib.suppress(RuntimeError):  # the event loop has ended: nobody is connected
-                self._loop.call_soon_threadsafe(function, *arguments)
+                self._events.call_soon_threadsafe(function, *arguments)
 
     def run_in_background(self, work: Coroutine[Any, Any, None]) -> None:
         """Run work for a client who may be gone by then."""
@@ -159,7 +158,7 @@ class WebSocketServer:
             self._ready.set()
 
     async def _serve(self) -> None:
-        self._loop = asyncio.get_running_loop()
+        self._events = asyncio.get_running_loop()
         async with serve(
             self._connected, self._host, self.port, process_request=self._answer,
             max_size=MAX_SIZE, max_queue=16, compression=None, close_timeout=1.0,
@@ -176,17 +175,16 @@ class WebSocketServer:
             return connection.respond(http.HTTPStatus.FORBIDDEN, refusal + "\n")
         path = urlsplit(request.path).path
         if path == "/status":
-            body = json.dumps(self._receiver.status()) + "\n"
+            body = json.dumps(self._loop.status()) + "\n"
             response = connection.respond(http.HTTPStatus.OK, body)
             response.headers["Content-Type"] = "application/json"
             return response
         if path not in self._paths:
             paths = ", ".join(sorted(self._paths))
-            return connection.respond(http.HTTPStatus.NOT_FOUND, f"there are {paths} and /status\n")
+            return connection.respond(http.HTTPStatus.NOT_FOUND, f"there are {paths}, /status\n")
         if len(self._clients) >= MAX_CLIENTS:
-            return connection.respond(
-                http.HTTPStatus.SERVICE_UNAVAILABLE, f"there are {MAX_CLIENTS} clients already\n"
-            )
+            reason = f"there are {MAX_CLIENTS} clients already\n"
+            return connection.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, reason)
         return None
 
     async def _connected(self, connection: ServerConnection) -> None:
@@ -204,24 +202,29 @@ class WebSocketServer:
             pass
         finally:
             self._clients.discard(client)
-            if connection.close_code == TOO_LARGE:
-                self._receiver.count("too_large")
 
     async def _receive(self, client: _Client, observations: bool) -> None:
         """Submit what a client sends."""
-        async for data in client.connection:
-            try:
-                message = decode(data)
-            except ObservationError as error:
-                self._receiver.count("malformed")
-                client.reply(error)
-            else:
-                if observations or isinstance(message, Command):
-                    self._receiver.submit(message, client.sender)
-                else:
-                    self._receiver.count("refused")
-                    client.reply(ObservationError("message", "observations are not accepted here"))
-            await asyncio.sleep(0)  # one that floods must not keep the others from being served
+        try:
+            async for data in client.connection:
+                self._accept(data, client, observations)
+                await asyncio.sleep(0)  # one that floods must not keep the others from being served
+        except ConnectionClosed as closed:
+            if closed.sent is not None and closed.sent.code == TOO_LARGE:
+                self._loop.count("too_large")
+
+    def _accept(self, data: bytes | str, client: _Client, observations: bool) -> None:
+        try:
+            message = decode(data)
+        except ObservationError as error:
+            self._loop.count("malformed")
+            client.reply(error)
+            return
+        if observations or isinstance(message, Command):
+            self._loop.submit(message, client.sender)
+        else:
+            self._loop.count("refused")
+            client.reply(ObservationError("message", "observations are not accepted here"))
 
     async def _converse(self, client: _Client, packed: bool) -> None:
         """Send intentions to a client and receive its commands, until it goes."""

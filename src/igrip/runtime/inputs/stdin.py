@@ -7,42 +7,33 @@ import threading
 from typing import BinaryIO
 
 from igrip.errors import ObservationError
-from igrip.runtime.connections import Options, Receiver, Sender
 from igrip.runtime.inputs import INPUTS
+from igrip.runtime.loop import Loop, Sender
+from igrip.runtime.options import Options
 from igrip.runtime.protocol import MAX_SIZE, decode
 
 
 @INPUTS.register("stdin")
 class StdinInput:
-    """Reads standard input in a thread."""
+    """Reads standard input in a thread; reading ends with the input or with the process."""
 
     single_sender = True
 
     def __init__(self, options: Options) -> None:
-        self._piped = options.piped
+        pass
 
-    def start(self, loop: Receiver) -> None:
+    def start(self, loop: Loop) -> None:
         """Begin to read."""
-        threading.Thread(
-            target=read_lines, args=(sys.stdin.buffer, loop, self._piped), daemon=True
-        ).start()
+        threading.Thread(target=read_lines, args=(sys.stdin.buffer, loop), daemon=True).start()
 
     def close(self) -> None:
-        """Do nothing: reading ends with the process."""
+        """Do nothing."""
 
 
-def read_lines(file: BinaryIO, loop: Receiver, piped: bool) -> None:
+def read_lines(file: BinaryIO, loop: Loop) -> None:
     """Submit lines until the file ends; malformed ones are counted and skipped.
 
-    Parameters
-    ----------
-    file : binary file
-        Whose lines are messages.
-    loop : Receiver
-        Where to.
-    piped : bool
-        Whether to wait where the loop is behind, rather than drop messages, and to end it with
-        the file.
+    Where the run is piped, nothing is dropped, and the run ends with the file.
     """
     sender, line_begins = Sender(), True
     while line := file.readline(MAX_SIZE + 2):
@@ -51,8 +42,8 @@ def read_lines(file: BinaryIO, loop: Receiver, piped: bool) -> None:
         if continues or not text:  # the rest of a line that was too long
             continue
         try:
-            loop.submit(decode(text), sender, piped)
+            loop.submit(decode(text), sender, wait=loop.piped)
         except ObservationError:
             loop.count("malformed")
-    if piped:
+    if loop.piped:
         loop.finish()

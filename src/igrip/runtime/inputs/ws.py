@@ -1,25 +1,13 @@
-"""Observations from WebSocket clients."""
+"""Observations from WebSocket clients: the path ``/observations`` of the server."""
 
 from __future__ import annotations
 
-from igrip.runtime.connections import Options, Receiver
 from igrip.runtime.inputs import INPUTS
+from igrip.runtime.options import Options
 from igrip.runtime.websocket import OBSERVATIONS, WebSocketServer
 
 
 @INPUTS.register("ws")
-class WebSocketInput:
-    """The path ``/observations`` of the WebSocket server."""
-
-    single_sender = False
-
-    def __init__(self, options: Options) -> None:
-        self._server = WebSocketServer.shared(options, OBSERVATIONS)
-
-    def start(self, loop: Receiver) -> None:
-        """Begin to listen."""
-        self._server.start(loop)
-
-    def close(self) -> None:
-        """End all connections."""
-        self._server.close()
+def websocket_input(options: Options) -> WebSocketServer:
+    """Return the server of the run; it accepts observations."""
+    return WebSocketServer.shared(options, OBSERVATIONS)

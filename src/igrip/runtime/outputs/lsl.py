@@ -13,8 +13,9 @@ from typing import Any
 
 from igrip.errors import requires_extra
 from igrip.intention import Intention
-from igrip.runtime.connections import Options, Receiver
 from igrip.runtime.envelope import Envelope
+from igrip.runtime.loop import Loop
+from igrip.runtime.options import Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.version import __version__
 
@@ -44,7 +45,7 @@ class LslOutput:
         self._last_markers: dict[str, str] = {}
         self._sent = 0
 
-    def start(self, loop: Receiver) -> None:
+    def start(self, loop: Loop) -> None:
         """Open both outlets."""
         self._markers = pylsl.StreamOutlet(_markers(self._name, loop.session))
         self._signal = pylsl.StreamOutlet(_signal(self._name, loop.session, self._hands))

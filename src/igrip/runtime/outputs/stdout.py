@@ -7,8 +7,9 @@ import sys
 import threading
 
 from igrip.runtime.bounded_queue import BoundedQueue
-from igrip.runtime.connections import Options, Receiver
 from igrip.runtime.envelope import Envelope
+from igrip.runtime.loop import Loop
+from igrip.runtime.options import Options
 from igrip.runtime.outputs import OUTPUTS
 
 CLOSE_TIMEOUT = 2.0  # s to write the lines that wait at the end
@@ -23,27 +24,21 @@ class StdoutOutput:
     """
 
     def __init__(self, options: Options) -> None:
-        self._waits = options.piped
         self._queue: BoundedQueue[Envelope] = BoundedQueue()
         self._thread = threading.Thread(target=self._run, name="igrip-stdout", daemon=True)
         self._sent = self._accepted = 0
         self._broken = self._closed = False
 
-    def start(self, loop: Receiver) -> None:
+    def start(self, loop: Loop) -> None:
         """Begin to write."""
         # the descriptor, not the buffered file: a thread that is stuck in that one holds its lock
         self._descriptor = sys.stdout.fileno()
+        self._waits = loop.piped
         if not self._waits:
             self._thread.start()
 
     def send(self, envelope: Envelope) -> None:
-        """Write one line, now or soon.
-
-        Raises
-        ------
-        BrokenPipeError
-            If nobody reads any more.
-        """
+        """Write one line, now or soon."""
         if self._broken:
             raise BrokenPipeError("standard output")
         self._accepted += 1

@@ -1,4 +1,4 @@
-"""The options that ``igrip live`` and ``igrip stream`` share."""
+"""What ``igrip live`` and ``igrip stream`` share: options, configuration and warm-up."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ import typer
 
 from igrip.commitment import EVERY, CommitmentConfig
 from igrip.config import Config
+from igrip.errors import IgripError
+from igrip.estimator import Estimator
+from igrip.objects.catalog import Catalog
+from igrip.observation import Observation
 
 RELIABILITY = CommitmentConfig().reliability
 
@@ -44,3 +48,15 @@ def estimator_config(
         needs_confirmation=confirm,
     )  # fmt: skip
     return Config(commitment=commitment, targets=targets or Config().targets)
+
+
+def warm_up(config: Config, catalog: Catalog) -> None:
+    """Compile all that an estimator runs, on a scene of one hand and one object."""
+    model = next(iter(catalog), None)
+    if model is None:
+        raise IgripError("there are no objects to look for (--objects)")
+    pose = {"model": model, "position": [0.0, 0.4, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
+    estimator = Estimator(catalog, config)
+    for k in range(12):
+        hands = {"right": {"position": [0.0, 0.02 * k, 0.0]}}
+        estimator.update(Observation(t=k / 30.0, hands=hands, objects={"warm-up": pose}))
