@@ -10,18 +10,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.intention import Intention
+from igrip.lab.evaluation.time_courses import GRIPS, time_courses
 from igrip.viewer.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 MAX_OBJECTS = 8  # lines in a panel
-GRIPS = ("palmar", "pinch")
 GRIP_COLOURS = ((90, 130, 216), (211, 90, 192))
 SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
 
 
 class Courses(NamedTuple):
-    """What one hand's panels show.
+    """The panels of one hand.
 
     Attributes
     ----------
@@ -43,41 +42,19 @@ class Courses(NamedTuple):
 def courses_of(moments: Sequence[Snapshot], hand: str) -> Courses:
     """Gather the time courses of one hand from the successive moments at which it was answered."""
     own = [
-        (moment.t, shown) for moment in moments for shown in moment.hands
+        shown for moment in moments for shown in moment.hands
         if shown.intention.hand == hand and shown.intention.t == moment.t
     ]  # fmt: skip
-    objects = _chosen([shown.intention for _, shown in own])
-    names = dict.fromkeys(
-        name for _, shown in own for name in next(iter(shown.intention.scores.values()), ())
-    )
-    n = len(own)
-    panels = {SPEED: np.full((1, n), np.nan)}
-    panels |= {name: np.full((len(objects), n), np.nan) for name in names}
-    panels |= {TARGET: np.full((len(objects), n), np.nan), GRIP: np.full((len(GRIPS), n), np.nan)}
-    for k, (_, shown) in enumerate(own):
-        intention = shown.intention
-        if shown.motion is not None:
-            panels[SPEED][0, k] = shown.motion.speed
-        for o, id in enumerate(objects):
-            for name, value in intention.scores.get(id, {}).items():
-                panels[name][o, k] = value
-            if intention.target == id:
-                panels[TARGET][o, k] = o + 1
-        if intention.grip in GRIPS:
-            g = GRIPS.index(intention.grip)
-            panels[GRIP][g, k] = g + 1
-    return Courses(np.array([t for t, _ in own]), objects, panels)
+    speeds = [np.nan if shown.motion is None else shown.motion.speed for shown in own]
+    courses = time_courses([shown.intention for shown in own], speeds, MAX_OBJECTS)
+    panels = {SPEED: courses.speed[None], **courses.scores}
+    panels |= {TARGET: _marks(courses.target), GRIP: _marks(courses.grip)}
+    return Courses(courses.times, courses.objects, panels)
 
 
-def _chosen(intentions: Sequence[Intention]) -> tuple[str, ...]:
-    """Return the objects that get a line, by id: past targets first, then those likeliest now."""
-    known = {id: None for intention in intentions for id in intention.scores}
-    if len(known) <= MAX_OBJECTS:
-        return tuple(sorted(known))
-    targets = dict.fromkeys(i.target for i in reversed(intentions) if i.target)
-    newest = intentions[-1].scores
-    likely = sorted(known, key=lambda id: (-newest.get(id, {}).get("global", -np.inf), id))
-    return tuple(sorted(list(dict.fromkeys([*targets, *likely]))[:MAX_OBJECTS]))
+def _marks(flags: NDArray[np.bool_]) -> Array:
+    """Return the number of each line, from 1, where its flag is set; else NaN."""
+    return np.where(flags, np.arange(1.0, len(flags) + 1.0)[:, None], np.nan)
 
 
 class CoursesPanels:

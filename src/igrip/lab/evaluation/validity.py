@@ -1,21 +1,21 @@
-"""Was a trial seen well enough to be judged? The paper's rules (SPEC §7)."""
+"""Whether a hand or an object was detected well enough for a valid trial (SPEC §7)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Times = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from igrip.lab.evaluation.trials import longest_run
+
 RUN = 3  # consecutive detections that count as found
 MAX_MISSED = 3  # frames in a row that may be missed afterwards
 EARLY_SECONDS, EARLY_PART = 0.5, 0.5
 
 
-class Sight(NamedTuple):
-    """How well one thing was seen in a trial.
+class DetectionQuality(NamedTuple):
+    """How well one thing was detected in a trial.
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class Sight(NamedTuple):
     early : bool
         Whether enough of the trial was left then.
     max_gap : int
-        Longest row of frames in which it was missed afterwards.
+        Number of frames in the longest gap afterwards.
     """
 
     found: float | None
@@ -32,8 +32,8 @@ class Sight(NamedTuple):
     max_gap: int
 
     @property
-    def reason(self) -> str | None:
-        """Why this is not enough, in words; None if it is."""
+    def problem(self) -> str | None:
+        """Why this is not enough; None if it is."""
         if self.found is None:
             return "never found"
         if not self.early:
@@ -43,8 +43,10 @@ class Sight(NamedTuple):
         return None
 
 
-def sight(times: Times, detected: Flags, begin: float, end: float) -> Sight:
-    """Judge how well one thing was seen between two times.
+def assess_detection(
+    times: Sequence[float], detected: Sequence[bool], begin: float, end: float
+) -> DetectionQuality:
+    """Assess the detections of one thing between two times.
 
     Found: at the start of the first run of 3 consecutive detections. Early: more than 0.5 s, or
     more than half of the trial, remained then. Gaps count from there to the end of the trial.
@@ -54,24 +56,19 @@ def sight(times: Times, detected: Flags, begin: float, end: float) -> Sight:
     times : (n,)
         Of the frames in which it was looked for, increasing [s].
     detected : (n,)
-        Whether it was seen in each.
+        Whether it was detected in each.
     begin, end : float
         Of the trial [s].
     """
-    within = (times >= begin) & (times <= end)
-    times, detected = times[within], detected[within]
-    runs = np.flatnonzero(np.convolve(detected, np.ones(RUN), "valid") == RUN) if (
-        len(detected) >= RUN
-    ) else np.empty(0, dtype=int)  # fmt: skip
+    all_times = np.asarray(times, dtype=np.float64)
+    within = (all_times >= begin) & (all_times <= end)
+    all_times, flags = all_times[within], np.asarray(detected, dtype=bool)[within]
+    if len(flags) < RUN:
+        return DetectionQuality(None, False, 0)
+    runs = np.flatnonzero(np.convolve(flags, np.ones(RUN), "valid") == RUN)
     if not len(runs):
-        return Sight(None, False, 0)
+        return DetectionQuality(None, False, 0)
     first = int(runs[0])
-    left = end - float(times[first])
+    left = end - float(all_times[first])
     early = left > EARLY_SECONDS or left > EARLY_PART * (end - begin)
-    return Sight(float(times[first]), early, longest_row(~detected[first:]))
-
-
-def longest_row(flags: Flags) -> int:
-    """Return the length of the longest row of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+    return DetectionQuality(float(all_times[first]), early, longest_run(~flags[first:])[1])

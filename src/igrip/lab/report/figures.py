@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from igrip.lab.evaluation.trial_metrics import FRACTIONS, NO_REACH
+from igrip.lab.evaluation.summary import reaches_of, valid_of
+from igrip.lab.evaluation.trial_metrics import FRACTIONS
 from igrip.lab.report.matplotlib_figure import new_figure
 
 SPLITS = (
@@ -27,8 +28,8 @@ def draw_participants(rows: pd.DataFrame) -> Any:
     rows : DataFrame
         Rows of one estimator; reaches that could be judged.
     """
-    reaches = rows[(rows["target"] != NO_REACH) & rows["problem"].isna()]
-    valid = reaches[reaches["valid"] == True]  # noqa: E712 - the column may hold None
+    reaches = reaches_of(rows)
+    valid = valid_of(reaches)
     people = sorted(reaches["participant"].dropna().unique())
     figure = new_figure(10.0, 6.5, "the report")
     panels = figure.subplots(3, len(SPLITS), sharex=True, sharey=True)
