@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import groupby, takewhile
 from typing import Any
 
 from rich.console import Console
@@ -21,45 +22,27 @@ def recording_summary(
     """Return, for each hand of a recording, its reaches and the last target of each."""
     hands = sorted({intention.hand for intention in intentions})
     return {
-        "recording": path,
-        "targets": targets,
-        "messages": messages,
-        "seconds": seconds,
+        "recording": path, "targets": targets, "messages": messages, "seconds": seconds,
         "intentions": len(intentions),
         "hands": {hand: _hand([i for i in intentions if i.hand == hand]) for hand in hands},
-    }
+    }  # fmt: skip
 
 
 def _hand(intentions: Sequence[Intention]) -> dict[str, Any]:
-    reaches: list[list[Intention]] = []
-    before = None
-    for intention in intentions:
-        if intention.status == "reaching":
-            if before != "reaching":
-                reaches.append([])
-            reaches[-1].append(intention)
-        before = intention.status
+    runs = [(status, list(run)) for status, run in groupby(intentions, key=lambda i: i.status)]
     return {
         "statuses": dict(Counter(intention.status for intention in intentions)),
-        "reaches": [_reach(reach) for reach in reaches],
+        "reaches": [_reach(run) for status, run in runs if status == "reaching"],
     }
 
 
 def _reach(intentions: Sequence[Intention]) -> dict[str, Any]:
     last = intentions[-1]
-    since = last.t
-    for intention in reversed(intentions):
-        if intention.target != last.target:
-            break
-        since = intention.t
+    settled = list(takewhile(lambda i: i.target == last.target, reversed(intentions)))
     return {
-        "begin": intentions[0].t,
-        "end": last.t,
-        "target": last.target,
-        "grip": last.grip,
-        "confidence": last.confidence,
-        "same_target_since": since,
-    }
+        "begin": intentions[0].t, "end": last.t, "target": last.target, "grip": last.grip,
+        "confidence": last.confidence, "same_target_since": settled[-1].t,
+    }  # fmt: skip
 
 
 def print_recording(console: Console, summary: dict[str, Any]) -> None:
@@ -69,17 +52,14 @@ def print_recording(console: Console, summary: dict[str, Any]) -> None:
         f"{summary['intentions']} intentions by {summary['targets']}",
     )
     table = Table("hand", "reach", "target", "settled after", "grip", "score")
-    for hand, found in summary["hands"].items():
-        for reach in found["reaches"]:
+    for hand, answers in summary["hands"].items():
+        for reach in answers["reaches"]:
             score = reach["confidence"]
             table.add_row(
-                hand,
-                f"{reach['begin']:.2f}-{reach['end']:.2f} s",
-                reach["target"] or "-",
-                f"{reach['same_target_since'] - reach['begin']:.2f} s",
-                reach["grip"] or "-",
+                hand, f"{reach['begin']:.2f}-{reach['end']:.2f} s", reach["target"] or "-",
+                f"{reach['same_target_since'] - reach['begin']:.2f} s", reach["grip"] or "-",
                 "-" if score is None else f"{score:.2f}",
-            )
+            )  # fmt: skip
     console.print(table if table.row_count else "no hand reached")
 
 

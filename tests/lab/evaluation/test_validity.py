@@ -1,24 +1,24 @@
-"""Was it seen well enough? Trials of a few frames, counted by hand."""
+"""Whether a detection was good enough: trials of a few frames, counted by hand."""
 
 import numpy as np
 import pytest
 
-from igrip.lab.evaluation.validity import longest_row, sight
+from igrip.lab.evaluation.validity import assess_detection
 
 
-def seen(text, begin=0.0, end=None):
-    """Judge a row of frames at 10 Hz: x seen, . missed."""
+def assess(text, begin=0.0, end=None):
+    """Assess frames at 10 Hz: x detected, . missed."""
     times = np.arange(len(text)) / 10
-    flags = np.array([c == "x" for c in text], dtype=bool)
-    return sight(times, flags, begin, (len(text) - 1) / 10 if end is None else end)
+    end = (len(text) - 1) / 10 if end is None else end
+    return assess_detection(times, [c == "x" for c in text], begin, end)
 
 
 @pytest.mark.parametrize(
-    ("text", "found", "gap", "reason"),
+    ("text", "found", "gap", "problem"),
     [
         ("xxxxxxxxxx", 0.0, 0, None),
         ("..xxxxxxxx", 0.2, 0, None),
-        ("xx.xxxxxxx", 0.3, 0, None),  # the first run of three, not the first sight
+        ("xx.xxxxxxx", 0.3, 0, None),  # the first run of three, not the first detection
         ("xxx...xxxx", 0.0, 3, None),  # three in a row may be missed
         ("xxx....xxx", 0.0, 4, "missed in more than 3 frames in a row"),
         ("xxxxxx....", 0.0, 4, "missed in more than 3 frames in a row"),  # up to the end
@@ -31,20 +31,13 @@ def seen(text, begin=0.0, end=None):
         (".....xxxxx", 0.5, 0, "found too late"),
     ],
 )
-def test_by_hand(text, found, gap, reason):
-    told = seen(text)
-    assert told.found == (None if found is None else pytest.approx(found))
-    assert told.max_gap == gap
-    assert told.reason == reason
+def test_by_hand(text, found, gap, problem):
+    quality = assess(text)
+    assert quality.found == (None if found is None else pytest.approx(found))
+    assert quality.max_gap == gap
+    assert quality.problem == problem
 
 
 def test_only_the_trial_counts():
-    assert seen("xxxxxx....", end=0.6).reason is None
-    assert seen("...xxx....", begin=0.3, end=0.6).found == pytest.approx(0.3)
-
-
-@pytest.mark.parametrize(
-    ("text", "length"), [("", 0), (".", 0), ("x", 1), ("xx.xxx.x", 3), ("..xxxx", 4), ("xx.xx", 2)]
-)
-def test_longest_row(text, length):
-    assert longest_row(np.array([c == "x" for c in text], dtype=bool)) == length
+    assert assess("xxxxxx....", end=0.6).problem is None
+    assert assess("...xxx....", begin=0.3, end=0.6).found == pytest.approx(0.3)

@@ -8,7 +8,8 @@ import pytest
 from igrip.errors import DatasetError
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings.jsonl import JsonlReader
-from igrip.lab.evaluation.trial_metrics import Seen, describe_trial
+from igrip.lab.evaluation.recorded_trial import RecordedTrial
+from igrip.lab.evaluation.trial_description import describe_trial
 from igrip.lab.simulation.cohort import models_by_id, rest_points, simulate, tasks_of
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
 from igrip.lab.simulation.parameters import Protocol, checksum, cohort
@@ -75,10 +76,10 @@ def test_it_looks_like_the_paper_s_recordings(small):
     for trial in small.trials:
         if trial.target == "none":
             continue
-        seen = Seen(trial.hand, trial.target)
+        recorded = RecordedTrial(trial)
         for observation in JsonlReader(small.recording(trial)):
-            seen.take(observation)
-        rows.append(describe_trial(trial, seen, seen.bounds(trial), []))
+            recorded.add(observation)
+        rows.append(describe_trial(recorded, recorded.bounds(), []))
     assert np.mean([row["observed"] for row in rows]) == pytest.approx(0.90, abs=0.03)
     assert 0.40 < np.mean([row["valid"] for row in rows]) < 0.75
     assert np.mean([row["movement_s"] for row in rows]) == pytest.approx(1.19, abs=0.15)

@@ -95,7 +95,8 @@ def draw_courses(run: TrialRun, bounds: Bounds) -> Any | None:
         panel.tick_params(labelsize=7)
     panels[7].set_xlabel("time from movement onset [s]; dotted: onset and end")
     if courses.objects:
-        panels[1].legend(loc="upper left", fontsize=7, ncols=4)
+        lines, names = panels[5].get_legend_handles_labels()
+        panels[1].legend(lines, names, loc="upper left", fontsize=7, ncols=4)
     figure.suptitle(
         f"{task.recording}: {task.hand} hand to {task.target}, {task.grip} grip "
         f"(green: the target; arrows: k_target; dashed: probability of none)", fontsize=9,
