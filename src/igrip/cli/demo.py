@@ -18,8 +18,8 @@ from igrip.describe import describe
 from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.lab.simulation.demo import DemoPerson, Moment, Task
-from igrip.lab.simulation.demo_score import DemoScore, Events
+from igrip.lab.simulation.demo import DemoPerson, DemoTask, Moment
+from igrip.lab.simulation.demo_score import DemoScore, StatusChanges
 from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
@@ -71,7 +71,7 @@ def demo(
     tally = DemoScore()
     try:
         moments = _paced(_with(faults, _until(person, duration, endless), seed), speed)
-        events = Events() if faults and not as_json else None
+        events = StatusChanges() if faults and not as_json else None
         _run(moments, _estimators(catalog, wanted), viewer, tally, as_json, events)
     except KeyboardInterrupt:
         errors.print("stopped")
@@ -81,7 +81,7 @@ def demo(
     if as_json:
         print_json(tally.summary())
     else:
-        output.print(tally.words(), soft_wrap=True)
+        output.print(tally.sentence(), soft_wrap=True)
 
 
 def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
@@ -127,7 +127,7 @@ def _with(faults: list[Fault], moments: Iterator[Moment], seed: int) -> Iterator
     if not faults:
         yield from moments
         return
-    tasks: list[Task] = []
+    tasks: list[DemoTask] = []
 
     def source() -> Iterator[Observation]:
         for moment in moments:
@@ -158,22 +158,22 @@ def _run(
     viewer: Viewer | None,
     tally: DemoScore,
     quiet: bool,
-    events: Events | None,
+    events: StatusChanges | None,
 ) -> None:
     live = Live(console=output, refresh_per_second=15, transient=True)
     on_screen = output.is_terminal and not quiet
     if on_screen:
         live.start()
     try:
-        task: Task | None = None
+        task: DemoTask | None = None
         for moment, estimator in zip(moments, estimators, strict=False):
             if moment.task is not task:
                 task = moment.task
                 if viewer is not None:
                     viewer.note("Task", _task_words(task))
             intentions = estimator.update(moment.observation)
-            line = tally.take(moment, intentions)
-            for event in events.take(intentions) if events else ():
+            line = tally.update(moment, intentions)
+            for event in events.update(intentions) if events else ():
                 output.print(event, soft_wrap=True)
             if viewer is not None:
                 viewer.show(take_snapshot(estimator))
@@ -186,7 +186,7 @@ def _run(
             live.stop()
 
 
-def _task_words(task: Task) -> str:
+def _task_words(task: DemoTask) -> str:
     return f"{task.hand} hand to {task.target}, {task.grip} grip"
 
 
@@ -208,5 +208,5 @@ def _screen(moment: Moment, intentions: list[Intention], tally: DemoScore) -> Ta
             intention.commitment.target if intention.commitment else "-",
         )
     own_words = [describe(i) for i in intentions if i.hand == moment.task.hand]
-    table.caption = "\n".join([*own_words, tally.words()])
+    table.caption = "\n".join([*own_words, tally.sentence()])
     return table

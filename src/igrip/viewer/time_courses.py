@@ -5,56 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.lab.evaluation.time_courses import GRIPS, time_courses
+from igrip.lab.evaluation.time_courses import (
+    GRIP,
+    GRIPS,
+    SPEED,
+    TARGET,
+    TimeCourses,
+    time_courses,
+)
 from igrip.viewer.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 MAX_OBJECTS = 8  # lines in a panel
 GRIP_COLOURS = ((90, 130, 216), (211, 90, 192))
-SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
 
 
-class Courses(NamedTuple):
-    """The panels of one hand.
-
-    Attributes
-    ----------
-    times : (n,)
-        Times [s].
-    objects : tuple of str
-        Which objects have a line each.
-    panels : dict of str to (lines, n)
-        Values of each panel, NaN where there is none: one line for the speed, one for each object
-        for a score and for the target (its number from 1 while it is the target), one for each grip
-        (1 or 2 while it is the grip).
-    """
-
-    times: Array
-    objects: tuple[str, ...]
-    panels: dict[str, Array]
-
-
-def courses_of(moments: Sequence[Snapshot], hand: str) -> Courses:
+def courses_of(moments: Sequence[Snapshot], hand: str) -> TimeCourses:
     """Gather the time courses of one hand from the successive moments at which it was answered."""
     own = [
         shown for moment in moments for shown in moment.hands
         if shown.intention.hand == hand and shown.intention.t == moment.t
     ]  # fmt: skip
     speeds = [np.nan if shown.motion is None else shown.motion.speed for shown in own]
-    courses = time_courses([shown.intention for shown in own], speeds, MAX_OBJECTS)
-    panels = {SPEED: courses.speed[None], **courses.scores}
-    panels |= {TARGET: _marks(courses.target), GRIP: _marks(courses.grip)}
-    return Courses(courses.times, courses.objects, panels)
-
-
-def _marks(flags: NDArray[np.bool_]) -> Array:
-    """Return the number of each line, from 1, where its flag is set; else NaN."""
-    return np.where(flags, np.arange(1.0, len(flags) + 1.0)[:, None], np.nan)
+    return time_courses([shown.intention for shown in own], speeds, MAX_OBJECTS)
 
 
 class CoursesPanels:
@@ -71,7 +49,7 @@ class CoursesPanels:
 
     def show(
         self,
-        courses: Courses,
+        courses: TimeCourses,
         colours: Mapping[str, tuple[int, int, int]],
         hidden: Sequence[str] = (),
     ) -> None:
@@ -92,7 +70,7 @@ class CoursesPanels:
             self._fastest = 0.5 * math.ceil(highest / 0.5)
             plot.scales = {"x": {"time": False}, "y": _range(SPEED, 1, self._fastest)}
 
-    def _begin(self, courses: Courses, colours: Mapping[str, tuple[int, int, int]]) -> None:
+    def _begin(self, courses: TimeCourses, colours: Mapping[str, tuple[int, int, int]]) -> None:
         """Make the panels anew, since there are other objects or scores."""
         for plot in self._plots.values():
             plot.remove()

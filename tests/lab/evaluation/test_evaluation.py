@@ -12,8 +12,8 @@ from igrip.errors import DatasetError, RecordingError
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation import fingerprint, runner
 from igrip.lab.evaluation.evaluation import Evaluation
-from igrip.lab.simulation.cohort import simulate
-from igrip.lab.simulation.parameters import cohort
+from igrip.lab.simulation.cohort import simulate_cohort
+from igrip.lab.simulation.parameters import cohort_parameters
 from igrip.objects.catalog import load_objects
 
 TARGETS = ("paper", "distance")
@@ -22,7 +22,11 @@ TARGETS = ("paper", "distance")
 @pytest.fixture(scope="session")
 def simulated(tmp_path_factory):
     path = tmp_path_factory.mktemp("evaluated") / "cohort"
-    list(simulate(path, load_objects("ycb"), cohort(), 2, 0, trials=2, no_reach_minutes=1))
+    list(
+        simulate_cohort(
+            path, load_objects("ycb"), cohort_parameters(), 2, 0, trials=2, no_reach_minutes=1
+        )
+    )
     return path
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from igrip.intention import Intention
-from igrip.lab.evaluation.time_courses import time_courses
+from igrip.lab.evaluation.time_courses import GRIP, SPEED, TARGET, time_courses
 
 NAN = np.nan
 
@@ -24,21 +24,20 @@ def test_by_hand():
     ]  # fmt: skip
     courses = time_courses(intentions, [NAN, 0.3, 0.4])
     np.testing.assert_equal(courses.times, [0.0, 0.1, 0.2])
-    np.testing.assert_equal(courses.speed, [NAN, 0.3, 0.4])
     assert courses.objects == ("box", "can", "cup")
-    assert list(courses.scores) == ["distance", "global"]
+    assert list(courses.panels) == [SPEED, "distance", "global", TARGET, GRIP]
+    np.testing.assert_equal(courses.panels[SPEED], [[NAN, 0.3, 0.4]])
     np.testing.assert_equal(
-        courses.scores["distance"], [[NAN, NAN, 0.1], [NAN, 0.4, 0.4], [NAN, 0.5, NAN]]
+        courses.panels["distance"], [[NAN, NAN, 0.1], [NAN, 0.4, 0.4], [NAN, 0.5, NAN]]
     )
     np.testing.assert_equal(
-        courses.scores["global"], [[NAN, NAN, NAN], [NAN, 0.3, 0.6], [NAN, 0.7, NAN]]
+        courses.panels["global"], [[NAN, NAN, NAN], [NAN, 0.3, 0.6], [NAN, 0.7, NAN]]
     )
     np.testing.assert_equal(
-        courses.probability,
-        [[NAN, NAN, 0.1], [NAN, NAN, 0.6], [NAN, NAN, NAN], [NAN, NAN, 0.3]],
+        courses.panels[TARGET], [[NAN, NAN, NAN], [NAN, NAN, 2.0], [NAN, 3.0, NAN]]
     )
-    assert courses.target.tolist() == [[False] * 3, [False, False, True], [False, True, False]]
-    assert courses.grip.tolist() == [[False, False, True], [False, True, False]]
+    np.testing.assert_equal(courses.panels[GRIP], [[NAN, NAN, 1.0], [NAN, 2.0, NAN]])
+    np.testing.assert_equal(courses.none, [NAN, NAN, 0.3])
 
 
 def test_past_targets_first_and_then_the_likeliest():
@@ -56,16 +55,15 @@ def test_past_targets_first_and_then_the_likeliest():
     assert objects(5) == "abcde"
     both = [answer(0.0, **dict.fromkeys("dcba", (0.1, 0.5)))]
     assert time_courses(both, [0.1], 2).objects == ("a", "b")  # equally likely: by id
-    courses = time_courses([first, last], [0.1, 0.1], 2)
-    assert courses.scores["global"].shape == courses.target.shape == (2, 2)
-    assert courses.probability.shape == (3, 2)
+    panels = time_courses([first, last], [0.1, 0.1], 2).panels
+    assert panels["global"].shape == panels[TARGET].shape == (2, 2)
 
 
 def test_without_answers_or_objects():
     courses = time_courses([], [])
-    assert courses.times.shape == courses.speed.shape == (0,)
-    assert (courses.objects, courses.scores) == ((), {})
-    assert courses.probability.shape == (1, 0)
-    assert courses.target.shape == (0, 0)
-    assert courses.grip.shape == (2, 0)
-    assert time_courses([answer(0.0)], [NAN], 0).target.shape == (0, 1)
+    assert courses.times.shape == courses.none.shape == (0,)
+    assert courses.objects == ()
+    assert {name: rows.shape for name, rows in courses.panels.items()} == {
+        SPEED: (1, 0), TARGET: (0, 0), GRIP: (2, 0),
+    }  # fmt: skip
+    assert time_courses([answer(0.0)], [NAN], 0).panels[TARGET].shape == (0, 1)

@@ -29,7 +29,7 @@ def run(cup=(0.1, 0.2, 0.6, 0.7), hand="right", probability=None):
 def test_only_the_hand_of_the_task():
     courses = courses_of_trial(run())
     np.testing.assert_allclose(courses.times, [0.3, 0.4, 0.5, 0.6])
-    np.testing.assert_allclose(courses.speed, [0.0, 0.2, 0.4, 0.6])
+    np.testing.assert_allclose(courses.panels["speed [m/s]"], [[0.0, 0.2, 0.4, 0.6]])
     assert courses.objects == ("can", "cup")
 
 
@@ -52,10 +52,10 @@ def test_panels():
     np.testing.assert_allclose(panels[0].lines[0].get_xdata(), [0.1, 0.2, 0.3, 0.4])
     arrows = [panel.texts[0].xy[0] for panel in panels if panel.texts]
     np.testing.assert_allclose(arrows, [0.3])  # of the global score, from the onset on
-    can, cup = panels[6].lines[:2]
-    assert (len(can.get_xdata()), len(cup.get_xdata())) == (0, 4)
-    palmar, pinch = panels[7].lines[:2]
-    assert (len(palmar.get_xdata()), len(pinch.get_xdata())) == (0, 4)
+    for panel in panels[6:]:  # the second object, the second grip
+        first, second = (line.get_ydata() for line in panel.lines[:2])
+        np.testing.assert_equal(first, [np.nan] * 4)
+        np.testing.assert_equal(second, [2.0] * 4)
     figure.draw_without_rendering()
 
 

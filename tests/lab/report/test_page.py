@@ -14,8 +14,8 @@ from igrip.lab.evaluation.summary import frame_of, summarise
 from igrip.lab.report import page
 from igrip.lab.report.claims import deviations, findings
 from igrip.lab.report.page import clean, percent, typical, write_report
-from igrip.lab.simulation.cohort import simulate
-from igrip.lab.simulation.parameters import cohort
+from igrip.lab.simulation.cohort import simulate_cohort
+from igrip.lab.simulation.parameters import cohort_parameters
 
 TARGETS = ("paper", "impacts", "distance_derivative", "distance", "future_distance")
 
@@ -27,7 +27,11 @@ CONFIGS = [Config(targets=name) for name in TARGETS]
 def evaluated(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     catalog = load_objects("ycb")
-    list(simulate(folder / "cohort", catalog, cohort(), 2, 0, trials=3, no_reach_minutes=1))
+    list(
+        simulate_cohort(
+            folder / "cohort", catalog, cohort_parameters(), 2, 0, trials=3, no_reach_minutes=1
+        )
+    )
     dataset = Dataset.open(folder / "cohort")
     evaluation = Evaluation(dataset, CONFIGS, folder / "out")
     list(evaluation.run(dataset.trials, 1))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.stats import bootstrap
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ def squared_error(probability: Mapping[str, float], truth: str) -> float:
 
 
 def interval_over_groups(
-    values: Array, groups: NDArray[np.int64], draws: int = 2000, level: float = 0.95, seed: int = 0
+    values: ArrayLike, groups: ArrayLike, draws: int = 2000, level: float = 0.95, seed: int = 0
 ) -> tuple[float, float]:
     """Return a bootstrap interval of a mean, over groups (participants) drawn with replacement.
 
@@ -76,7 +76,7 @@ def interval_over_groups(
     values : (n,)
         One per trial; NaN does not count.
     groups : (n,)
-        Number of the group of each, 0, 1, ….
+        Number or name of the group of each.
     draws, level, seed
         Of the bootstrap (Efron & Tibshirani 1993; percentile interval).
 
@@ -85,9 +85,10 @@ def interval_over_groups(
     low, high : float
         NaN with fewer than two groups.
     """
-    known = np.isfinite(values)
-    _, index = np.unique(groups[known], return_inverse=True)
-    sums, counts = np.bincount(index, weights=values[known]), np.bincount(index)
+    column = np.asarray(values, dtype=np.float64)
+    known = np.isfinite(column)
+    _, index = np.unique(np.asarray(groups)[known], return_inverse=True)
+    sums, counts = np.bincount(index, weights=column[known]), np.bincount(index)
     if len(counts) < 2:
         return float("nan"), float("nan")
 

@@ -212,10 +212,9 @@ def _calibration(rows: pd.DataFrame) -> dict[str, Any] | None:
 
 
 def _interval(rows: pd.DataFrame, column: str) -> list[float] | None:
-    groups = rows["participant"].astype("category").cat.codes.to_numpy().astype(np.int64)
-    if len(np.unique(groups)) < MIN_PEOPLE:
+    if rows["participant"].nunique() < MIN_PEOPLE:
         return None
-    low, high = interval_over_groups(numbers(rows[column]), groups)
+    low, high = interval_over_groups(rows[column], rows["participant"])
     return None if np.isnan(low) else [low, high]
 
 

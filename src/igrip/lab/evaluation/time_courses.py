@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,34 +12,30 @@ from igrip.intention import Intention
 
 Array = NDArray[np.float64]
 GRIPS = ("palmar", "pinch")
+SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
 
 
 class TimeCourses(NamedTuple):
-    """What an estimator answered for one hand over time; NaN where there is no value.
+    """What was answered for one hand over time.
 
     Attributes
     ----------
-    times, speed : (n,)
-        Of the answers [s], and of the hand [m/s].
+    times : (n,)
+        Times of the answers [s].
     objects : tuple of str
-        The objects, in the order of the rows.
-    scores : dict of str to (objects, n)
-        Of each cue, and ``global``.
-    probability : (objects + 1, n)
-        Of each object and, last, of none.
-    target : (objects, n)
-        Whether an object was the target.
-    grip : (2, n)
-        Whether the grip was each of :data:`GRIPS`.
+        Which objects have a line each.
+    panels : dict of str to (lines, n)
+        Values of each panel, NaN where there is none: one line for the speed, one for each object
+        for a score and for the target (its number from 1 while it is the target), one for each grip
+        (1 or 2 while it is the grip).
+    none : (n,)
+        Probability of no target; NaN where there is none.
     """
 
     times: Array
-    speed: Array
     objects: tuple[str, ...]
-    scores: dict[str, Array]
-    probability: Array
-    target: NDArray[np.bool_]
-    grip: NDArray[np.bool_]
+    panels: dict[str, Array]
+    none: Array
 
 
 def time_courses(
@@ -57,27 +53,22 @@ def time_courses(
         Only so many objects: past targets first, then those that are likeliest now.
     """
     objects = _choose_objects(intentions, max_objects)
+    n = len(intentions)
     names = dict.fromkeys(name for i in intentions for row in i.scores.values() for name in row)
-
-    def rows(table: list[list[Any]], kind: type) -> Any:
-        return np.array(table, dtype=kind).reshape(len(table), len(intentions))  # None: NaN
-
-    return TimeCourses(
-        times=np.array([i.t for i in intentions], dtype=np.float64),
-        speed=np.array(speeds, dtype=np.float64),
-        objects=objects,
-        scores={
-            name: rows(
-                [[i.scores.get(o, {}).get(name) for i in intentions] for o in objects], float
-            )
-            for name in names
-        },
-        probability=rows(
-            [[(i.probability or {}).get(o) for i in intentions] for o in (*objects, "none")], float
-        ),
-        target=rows([[i.target == o for i in intentions] for o in objects], bool),
-        grip=rows([[i.grip == grip for i in intentions] for grip in GRIPS], bool),
-    )
+    panels = {SPEED: np.array(speeds, dtype=np.float64).reshape(1, n)}
+    panels |= {name: np.full((len(objects), n), np.nan) for name in names}
+    panels |= {TARGET: np.full((len(objects), n), np.nan), GRIP: np.full((len(GRIPS), n), np.nan)}
+    for k, intention in enumerate(intentions):
+        for o, id in enumerate(objects):
+            for name, value in intention.scores.get(id, {}).items():
+                panels[name][o, k] = value
+            if intention.target == id:
+                panels[TARGET][o, k] = o + 1
+        if intention.grip in GRIPS:
+            g = GRIPS.index(intention.grip)
+            panels[GRIP][g, k] = g + 1
+    none = [(i.probability or {}).get("none", np.nan) for i in intentions]
+    return TimeCourses(np.array([i.t for i in intentions]), objects, panels, np.array(none))
 
 
 def _choose_objects(intentions: Sequence[Intention], max_objects: int | None) -> tuple[str, ...]:

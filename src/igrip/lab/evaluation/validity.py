@@ -14,42 +14,20 @@ MAX_MISSED = 3  # frames in a row that may be missed afterwards
 EARLY_SECONDS, EARLY_PART = 0.5, 0.5
 
 
-class DetectionQuality(NamedTuple):
-    """How well one thing was detected in a trial.
-
-    Attributes
-    ----------
-    found : float or None
-        Time at which it was first found [s].
-    early : bool
-        Whether enough of the trial was left then.
-    max_gap : int
-        Number of frames in the longest gap afterwards.
-    """
+class Detection(NamedTuple):
+    """When one thing was first found in a trial [s], and why that is not enough; None: it is."""
 
     found: float | None
-    early: bool
-    max_gap: int
-
-    @property
-    def problem(self) -> str | None:
-        """Why this is not enough; None if it is."""
-        if self.found is None:
-            return "never found"
-        if not self.early:
-            return "found too late"
-        if self.max_gap > MAX_MISSED:
-            return f"missed in more than {MAX_MISSED} frames in a row"
-        return None
+    problem: str | None
 
 
 def assess_detection(
     times: Sequence[float], detected: Sequence[bool], begin: float, end: float
-) -> DetectionQuality:
+) -> Detection:
     """Assess the detections of one thing between two times.
 
-    Found: at the start of the first run of 3 consecutive detections. Early: more than 0.5 s, or
-    more than half of the trial, remained then. Gaps count from there to the end of the trial.
+    Found: at the start of the first run of 3 consecutive detections. Not too late: more than 0.5 s,
+    or more than half of the trial, remained then. Gaps count from there to the end of the trial.
 
     Parameters
     ----------
@@ -60,15 +38,14 @@ def assess_detection(
     begin, end : float
         Of the trial [s].
     """
-    all_times = np.asarray(times, dtype=np.float64)
-    within = (all_times >= begin) & (all_times <= end)
-    all_times, flags = all_times[within], np.asarray(detected, dtype=bool)[within]
-    if len(flags) < RUN:
-        return DetectionQuality(None, False, 0)
-    runs = np.flatnonzero(np.convolve(flags, np.ones(RUN), "valid") == RUN)
-    if not len(runs):
-        return DetectionQuality(None, False, 0)
-    first = int(runs[0])
-    left = end - float(all_times[first])
-    early = left > EARLY_SECONDS or left > EARLY_PART * (end - begin)
-    return DetectionQuality(float(all_times[first]), early, longest_run(~flags[first:])[1])
+    frames = [flag for t, flag in zip(times, detected, strict=True) if begin <= t <= end]
+    runs = [k for k in range(len(frames) - RUN + 1) if all(frames[k : k + RUN])]
+    if not runs:
+        return Detection(None, "never found")
+    found = [t for t in times if begin <= t <= end][runs[0]]
+    problem = None
+    if end - found <= EARLY_SECONDS and end - found <= EARLY_PART * (end - begin):
+        problem = "found too late"
+    elif longest_run(~np.array(frames[runs[0] :], dtype=bool))[1] > MAX_MISSED:
+        problem = f"missed in more than {MAX_MISSED} frames in a row"
+    return Detection(float(found), problem)

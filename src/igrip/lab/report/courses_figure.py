@@ -10,14 +10,21 @@ from numpy.typing import NDArray
 
 from igrip.lab.evaluation.recorded_trial import Bounds
 from igrip.lab.evaluation.runner import TrialRun
-from igrip.lab.evaluation.time_courses import GRIPS, TimeCourses, time_courses
+from igrip.lab.evaluation.time_courses import (
+    GRIP,
+    GRIPS,
+    SPEED,
+    TARGET,
+    TimeCourses,
+    time_courses,
+)
 from igrip.lab.evaluation.trials import score_trial
 from igrip.lab.report.matplotlib_figure import new_figure
 from igrip.targets import best_of
 
 Array = NDArray[np.float64]
 COLOURS = ("#e88c2e", "#2e78c2", "#b03a9c", "#7a6a3a", "#3aa0a8", "#808080", "#a0522d", "#5a5ad0")
-TARGET = "#2ca02c"
+TARGET_COLOUR = "#2ca02c"
 GRIP_COLOURS = ("#5a82d8", "#d35ac0")
 SCORES = ("impacts", "distance_derivative", "distance", "future_distance", "global")
 
@@ -37,7 +44,7 @@ def find_k_target(
     courses: TimeCourses, name: str, target: str | None, bounds: Bounds
 ) -> float | None:
     """Return when the longest run in which one score chooses the target begins [s]."""
-    chosen = [best_of(column) for column in courses.scores[name].T]
+    chosen = [best_of(column) for column in courses.panels[name].T]
     right = [o is not None and courses.objects[o] == target for o in chosen]
     return score_trial(courses.times, np.array(right, dtype=bool), *bounds).found
 
@@ -67,26 +74,28 @@ def draw_courses(run: TrialRun, bounds: Bounds) -> Any | None:
     others = [id for id in courses.objects if id != task.target]
     colours = {id: COLOURS[k % len(COLOURS)] for k, id in enumerate(others)}
     if task.target:
-        colours[task.target] = TARGET
-    panels[0].plot(t, courses.speed, color="black")
+        colours[task.target] = TARGET_COLOUR
+    panels[0].plot(t, courses.panels[SPEED][0], color="black")
     panels[0].set_ylabel("speed\n[m/s]")
     for panel, name in zip(panels[1:6], SCORES, strict=True):
         panel.set_ylabel(name.replace("_", "\n"))
-        if name not in courses.scores:
+        if name not in courses.panels:
             continue
-        for id, row in zip(courses.objects, courses.scores[name], strict=True):
+        for id, row in zip(courses.objects, courses.panels[name], strict=True):
             panel.plot(t, row, color=colours[id], label=id, lw=2 if id == task.target else 1)
         found = find_k_target(courses, name, task.target, bounds)
         if found is not None:
             panel.annotate(
                 "", (found - onset, 0.02), (found - onset, -0.3),
                 xycoords=("data", "axes fraction"),
-                arrowprops={"arrowstyle": "-|>", "color": TARGET},
+                arrowprops={"arrowstyle": "-|>", "color": TARGET_COLOUR},
             )  # fmt: skip
-    panels[5].plot(t, courses.probability[-1], color="black", lw=0.8, ls="--")
-    _draw_marks(panels[6], t, courses.target, courses.objects, colours)
+    panels[5].plot(t, courses.none, color="black", lw=0.8, ls="--")
+    _draw_marks(panels[6], t, courses.panels[TARGET], courses.objects, colours)
     panels[6].set_ylabel("target")
-    _draw_marks(panels[7], t, courses.grip, GRIPS, dict(zip(GRIPS, GRIP_COLOURS, strict=True)))
+    _draw_marks(
+        panels[7], t, courses.panels[GRIP], GRIPS, dict(zip(GRIPS, GRIP_COLOURS, strict=True))
+    )
     panels[7].set_ylabel("grip")
     for letter, panel in zip("ABCDEFGH", panels, strict=True):
         panel.set_title(letter, loc="left", fontsize=9, fontweight="bold")
@@ -105,15 +114,10 @@ def draw_courses(run: TrialRun, bounds: Bounds) -> Any | None:
 
 
 def _draw_marks(
-    panel: Any,
-    t: Array,
-    flags: NDArray[np.bool_],
-    names: Sequence[str],
-    colours: Mapping[str, str],
+    panel: Any, t: Array, rows: Array, names: Sequence[str], colours: Mapping[str, str]
 ) -> None:
     """Draw answers as squares, one row a name."""
-    for row, name in enumerate(names):
-        here = t[flags[row]]
-        panel.plot(here, np.full(len(here), row), "s", color=colours[name], ms=3)
-    panel.set_yticks(range(len(names)), names)
-    panel.set_ylim(-0.6, len(names) - 0.4)
+    for name, row in zip(names, rows, strict=True):
+        panel.plot(t, row, "s", color=colours[name], ms=3)
+    panel.set_yticks(range(1, len(names) + 1), names)
+    panel.set_ylim(0.4, len(names) + 0.6)
