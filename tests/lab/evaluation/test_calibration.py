@@ -100,3 +100,10 @@ def test_draws_and_seed_matter_and_repeat():
     assert interval_over_groups(values, groups) == first
     assert interval_over_groups(values, groups, seed=1) != first
     assert interval_over_groups(values, groups, draws=100) != first
+    assert interval_over_groups(values, groups, draws=2000, level=0.95, seed=0) == first
+
+
+def test_interval_is_that_of_the_percentiles():
+    """One person of five is right: a resampled mean is binomial, and 0.4 at 90 %."""
+    values = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+    assert interval_over_groups(values, list("abcde"), level=0.8) == (0.0, pytest.approx(0.4))

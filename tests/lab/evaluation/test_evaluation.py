@@ -1,6 +1,7 @@
 """An evaluation that is kept, resumed, and done again where something changed."""
 
 import json
+import math
 import shutil
 
 import pytest
@@ -10,6 +11,7 @@ from datasets import write_small_dataset
 from igrip import Config
 from igrip.errors import DatasetError, RecordingError
 from igrip.io.datasets.dataset import Dataset
+from igrip.lab.evaluation import evaluation as module
 from igrip.lab.evaluation import fingerprint, runner
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.simulation.cohort import simulate_cohort
@@ -200,6 +202,12 @@ def test_a_recording_that_changes_while_it_is_read_is_read_again(
     rows, steps = run(with_meshes, tmp_path / "out", targets=("distance",))
     assert steps[0] == 1
     assert rows[0]["messages"] == 62
+
+
+def test_numbers_that_are_none_are_not_kept(with_meshes, tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "score_run", lambda run: [{"targets": "distance", "x": math.nan}])
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        run(with_meshes, tmp_path / "out", targets=("distance",))
 
 
 def test_a_folder_that_cannot_be_written(with_meshes, tmp_path, monkeypatch):

@@ -32,7 +32,9 @@ def test_rows_are_those_of_an_evaluation(run):
     for row, more in zip(replayed.rows, evaluated, strict=True):
         assert row.items() <= more.items()
     assert (replayed.intentions, replayed.cut) == ([[], []], None)
+    done.cut = "cut off"
     kept = replay_run(done, keep_intentions=True)
+    assert kept.cut == "cut off"
     assert kept.intentions == [e.intentions for e in done.estimators]
 
 
@@ -44,21 +46,22 @@ def test_a_trial_without_a_task_is_no_problem(run):
 
 
 def test_summary(run, small_dataset):
-    trials = [replay_run(run(0)), replay_run(run(1))]
-    summary = summarise_replay(small_dataset, trials)
-    assert (summary["dataset"], summary["derived"]) == ("Small", None)
+    trials = [replay_run(run(0)), replay_run(run(1)), replay_run(run(1, recording="reach0"))]
+    derived = replace(small_dataset, description={"name": "Small", "derived": {"a": 1}})
+    summary = summarise_replay(derived, trials)
+    assert (summary["dataset"], summary["derived"]) == ("Small", {"a": 1})
     assert (summary["trials"], summary["participants"]) == (2, 1)
     assert (summary["problems"], summary["remarks"], summary["cut"]) == ([], [], [])
     names = [(row["targets"], row["group"], row["trials"]) for row in summary["results"]]
     assert names == [
         (targets, group, trials) for targets in ("distance", "paper")
-        for group, trials in (("all", 2), ("far", 1), ("near", 1))
+        for group, trials in (("all", 3), ("far", 2), ("near", 1))
     ]  # fmt: skip
     rows = [trial.rows[1] for trial in trials]
     expected = average_scores({key: [row[key] for row in rows] for key in rows[0]})
     paper = summary["results"][3]
     assert paper == {
-        "targets": "paper", "group": "all", "trials": 2, "success": expected["success"],
+        "targets": "paper", "group": "all", "trials": 3, "success": expected["success"],
         "accuracy_40%": expected["accuracy"]["40%"], "accuracy_60%": expected["accuracy"]["60%"],
         **{key: expected[key] for key in ("delay_s", "delay_clipped_s", "margin_s")},
     }  # fmt: skip

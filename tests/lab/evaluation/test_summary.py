@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from igrip.lab.evaluation.averages import TIMES
 from igrip.lab.evaluation.calibration import interval_over_groups
 from igrip.lab.evaluation.summary import frame_of, reaches_of, scores, summarise, valid_of
 from igrip.lab.evaluation.trial_metrics import FRACTIONS
@@ -52,26 +53,26 @@ def test_reaches_and_what_is_left_out():
               "problem": "is gone"}  # fmt: skip
     summary = summary_of(
         reach(messages=30, observed=1.0), reach("i", valid=False, invalid_reason="hand never found",
-        remark="odd", bounds="trace", movement_s=2.0), no_reach(), no_reach(seconds=30.0),
-        no_reach(problem="is gone, too", recording="m"), broken,
+        remark="odd", bounds="trace", movement_s=2.0), reach("j"),
+        no_reach(), no_reach(seconds=30.0), no_reach(problem="is gone, too", recording="m"), broken,
         reach("other", targets="distance", remark="not counted twice"),
     )  # fmt: skip
     assert (summary["schema"], summary["dataset"]) == ("igrip-summary/1", "set")
-    assert (summary["recordings"], summary["reaches"], summary["valid"]) == (6, 2, 1)
-    assert summary["valid_share"] == 0.5
+    assert (summary["recordings"], summary["reaches"], summary["valid"]) == (7, 3, 2)
+    assert summary["valid_share"] == pytest.approx(2 / 3)
     assert summary["excluded"] == [
         {"recording": "m", "participant": "p", "problem": "is gone, too"},
         {"recording": "b", "participant": "unknown", "problem": "is gone"},
     ]
     assert summary["remarks"] == [{"recording": "i", "remark": "odd"}]
     assert summary["invalid_reasons"] == {"hand never found": 1}
-    assert summary["observed_share"] == pytest.approx((30 + 5) / 40)
+    assert summary["observed_share"] == pytest.approx((30 + 5 + 5) / 50)
     assert summary["bounds_from_trace"] == 1
-    assert summary["movement_s"] == 1.5
+    assert summary["movement_s"] == pytest.approx(4 / 3)
     assert summary["no_reach_minutes"] == 2.0
     assert list(summary["targets"]) == ["paper"]
     paper = summary["targets"]["paper"]
-    assert [paper[key]["trials"] for key in ("valid", "all", "seen_in_time")] == [1, 2, 2]
+    assert [paper[key]["trials"] for key in ("valid", "all", "seen_in_time")] == [2, 3, 3]
     json.dumps(summary)  # plain data
 
 
@@ -94,6 +95,9 @@ def test_each_estimator_has_its_own_numbers():
     targets = summary_of(*both, targets=("distance", "paper"))["targets"]
     assert list(targets) == ["distance", "paper"]
     assert (targets["distance"]["all"]["success"], targets["paper"]["all"]["success"]) == (0.0, 1.0)
+    apart = summary_of(reach(), no_reach(targets="distance"), targets=("paper", "distance"))
+    assert apart["targets"]["paper"]["no_reach"] == {}
+    assert apart["targets"]["distance"]["no_reach"]["answers"] == 10
 
 
 def test_scores_by_hand():
@@ -116,6 +120,9 @@ def test_scores_by_hand():
     assert result["success_interval"] is None  # of one person
     assert result["accuracy_interval"] == dict.fromkeys(PARTS)
     assert "grip_success" not in scores(frame_of([reach()]))
+    invalid = summary_of(reach(grip=True, valid=False))["targets"]["paper"]
+    assert set(invalid["valid"]) == {"trials", "success_interval", "success", "frames", *TIMES}
+    assert invalid["all"]["grip_success"] == 1.0
 
 
 def test_intervals_from_five_people_on():
@@ -209,8 +216,8 @@ def test_calibration_is_pooled_over_trials():
         }  # fmt: skip
 
     rows = [
-        reach("a", **sums([2, 0], [1.7, 0.0], [1.0, 0.0], 0.5)),
-        reach("b", valid=False, **sums([0, 4], [0.0, 3.8], [0.0, 4.0], 0.1)),
+        reach("a", **sums([2, 1], [1.7, 0.95], [1.0, 1.0], 0.5)),
+        reach("b", valid=False, **sums([0, 3], [0.0, 2.85], [0.0, 3.0], 0.1)),
         reach("c"),
     ]
     calibration = summary_of(*rows)["targets"]["paper"]["calibration"]

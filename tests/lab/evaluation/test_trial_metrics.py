@@ -111,12 +111,13 @@ def test_without_a_reach_named_targets_are_counted():
                 ("right", "warming_up", None, None), ("right", "idle", None, likely),
                 ("left", "idle", "cup", unlikely), ("right", "reaching", "cup", unlikely),
                 ("right", "reaching", None, likely), ("right", "holding", "cup", None),
+                ("right", "reaching", "cup", likely),
             ]
         )
     ]  # fmt: skip
     assert score_answers(trial, None, intentions) == {
-        "answers": 4, "named": 2, "reaching": 2, "named_reaching": 1, "with_probability": 4,
-        "none_most_probable": 2,
+        "answers": 5, "named": 3, "reaching": 3, "named_reaching": 2, "with_probability": 5,
+        "none_most_probable": 3,
     }  # fmt: skip
 
 

@@ -31,11 +31,9 @@ class ReliabilityBins(NamedTuple):
         """Bin answers by their stated probability in [0, 1]."""
         p, flags = np.asarray(stated, dtype=np.float64), np.asarray(correct, dtype=np.float64)
         index = np.minimum((p * BINS).astype(int), BINS - 1)
-        return cls(
-            np.bincount(index, minlength=BINS).astype(np.int64),
-            np.bincount(index, weights=p, minlength=BINS).astype(np.float64),
-            np.bincount(index, weights=flags, minlength=BINS).astype(np.float64),
-        )
+        count: NDArray[np.int64] = np.bincount(index, minlength=BINS)
+        sums = (np.bincount(index, weights=w, minlength=BINS) for w in (p, flags))
+        return cls(count, *(one.astype(np.float64) for one in sums))
 
     def calibration_error(self) -> float:
         """Return the expected calibration error; NaN without answers.
@@ -97,7 +95,7 @@ def interval_over_groups(
         return of_all
 
     interval = bootstrap(
-        (sums, counts), mean, paired=True, vectorized=True, method="percentile",
+        (sums, counts), mean, paired=True, method="percentile",
         n_resamples=draws, confidence_level=level, random_state=np.random.default_rng(seed),
     ).confidence_interval  # fmt: skip
     return float(interval.low), float(interval.high)

@@ -106,7 +106,7 @@ def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dic
     parts = list(known["commit_part"]) if len(known) else []
     part = np.array([list(row) for row in parts], dtype=np.float64)  # None: NaN
     right = np.array([list(row) for row in known["commit_right"]] if parts else [], dtype=bool)
-    minutes = float(none["seconds"].sum()) / 60.0 if "commits" in none else 0.0
+    minutes = float(none["seconds"].sum()) / 60.0
     if not parts and not minutes:
         return []
     curve = []

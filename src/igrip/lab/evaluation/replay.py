@@ -76,8 +76,5 @@ def _averages(rows: Sequence[Row]) -> dict[str, Any]:
         return {"trials": 0}
     averages = average_scores({key: [row[key] for row in reaches] for key in reaches[0]})
     accuracy = averages.pop("accuracy")
-    success = averages.pop("success")
-    return {
-        "trials": len(reaches), "success": success,
-        **{f"accuracy_{part}": accuracy[part] for part in FRACTIONS}, **averages,
-    }  # fmt: skip
+    result = {"trials": len(reaches), "success": averages["success"]}
+    return result | {f"accuracy_{part}": accuracy[part] for part in FRACTIONS} | averages

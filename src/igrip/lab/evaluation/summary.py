@@ -88,7 +88,7 @@ def _without_reach(rows: pd.DataFrame) -> pd.DataFrame:
 def _estimator(rows: pd.DataFrame) -> dict[str, Any]:
     reaches, none = reaches_of(rows), _without_reach(rows)
     valid = valid_of(reaches)
-    groups = reaches[reaches["group"].notna()].groupby("group", sort=True)
+    groups = reaches[reaches["group"].notna()].groupby("group")
     return {
         "valid": scores(valid),
         "all": scores(reaches),
@@ -137,7 +137,7 @@ def scores(rows: pd.DataFrame) -> dict[str, Any]:
 
 def _by(rows: pd.DataFrame, column: str) -> dict[str, Any]:
     known = rows[rows[column].notna()]
-    return {str(value): _short(part) for value, part in known.groupby(column, sort=True)}
+    return {str(value): _short(part) for value, part in known.groupby(column)}
 
 
 def _short(rows: pd.DataFrame) -> dict[str, Any]:
@@ -214,8 +214,7 @@ def _calibration(rows: pd.DataFrame) -> dict[str, Any] | None:
 def _interval(rows: pd.DataFrame, column: str) -> list[float] | None:
     if rows["participant"].nunique() < MIN_PEOPLE:
         return None
-    low, high = interval_over_groups(rows[column], rows["participant"])
-    return None if np.isnan(low) else [low, high]
+    return list(interval_over_groups(rows[column], rows["participant"]))
 
 
 def _minutes(rows: pd.DataFrame) -> float:

@@ -98,7 +98,9 @@ def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
     for colour, (name, results) in zip(COLOURS * 4, known.items(), strict=False):
         stated = [100.0 * b["stated"] for b in results["bins"]]
         right = [100.0 * b["right"] for b in results["bins"]]
-        panel.plot(stated, right, "o-", ms=4, color=colour, label=f"{name}: ECE {results['ece']:.3f}")
+        panel.plot(
+            stated, right, "o-", ms=4, color=colour, label=f"{name}: ECE {results['ece']:.3f}"
+        )
     panel.set_xlabel("stated probability [%]")
     panel.set_ylabel("right [%]")
     panel.legend(fontsize=7)
