@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 def test_a_short_run_measures_everything(tmp_path):
     pytest.importorskip("embreex", reason="no wheel for this machine")
     picture = tmp_path / "bench.svg"
-    options = ("--frames 20 --runs 1 --plain-frames 1 --cadence 1 --memory-frames 100").split()
+    options = ["--frames=20", "--runs=1", "--plain-frames=1", "--cadence=1", "--memory-frames=100"]
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks", *options, "--plot", picture, "--json"],
         cwd=ROOT, capture_output=True, text=True, timeout=240,

@@ -39,7 +39,7 @@ COMMANDS = {
     ),
     "simulate": Command(
         "simulate:simulate",
-        "Simulate the paper's protocol: people × 128 trials × 2 cameras, as a dataset.",
+        "Simulate the paper's protocol: people × 128 trials × 2 cameras, shuffled and seeded.",
     ),
     "stream": Command(
         "stream:stream",

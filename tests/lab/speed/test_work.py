@@ -15,10 +15,10 @@ def work(catalog, objects):
     """Return nodes of rays, nodes of points and rays per frame on the scene of ``igrip bench``."""
     estimator = Estimator(catalog, Config(targets="paper"))
     frames = scenes.frames(WARM_UP + FRAMES, objects)
-    for frame in frames[: WARM_UP]:
+    for frame in frames[:WARM_UP]:
         estimator.update(frame)
     before = estimator.scene.counters.copy()
-    for frame in frames[WARM_UP :]:
+    for frame in frames[WARM_UP:]:
         estimator.update(frame)
     return (estimator.scene.counters - before) / FRAMES
 
