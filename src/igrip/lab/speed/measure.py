@@ -63,7 +63,7 @@ def compare(
         for name, config in configs.items():
             estimator = warm(Estimator(catalog, config), observations)
             contestants[name] = lambda k, e=estimator: e.update(observations[k])  # type: ignore[misc]
-        times = interleaved(contestants | peers, range(WARM_UP, len(observations)), turn)
+        times = interleaved({**contestants, **peers}, range(WARM_UP, len(observations)), turn)
         table.append({name: percentiles(seconds) for name, seconds in times.items()})
     plain = recorded.plain_trimesh(plain_frames)
     of_runs = ratios_of_runs(table, list(peers))
