@@ -11,7 +11,7 @@ REACHES ?= ../shared/data/wispinski2021
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
-demo: $(READY)  ## watch igrip decide what a simulated person reaches for
+demo: $(READY)  ## watch igrip predict what a simulated person reaches for
 	$(BIN)/igrip demo
 
 test: lint types contract unit  ## lint, types, import contract and every test

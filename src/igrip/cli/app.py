@@ -30,7 +30,7 @@ class Command(NamedTuple):
 COMMANDS = {
     "demo": Command(
         "demo:demo",
-        "Watch igrip decide what a simulated person reaches for, and with which grip.",
+        "Watch igrip predict what a simulated person reaches for, and with which grip.",
     ),
     "replay": Command("replay:replay", "Run an estimator over recordings and sum up what it said."),
     "evaluate": Command(

@@ -53,7 +53,7 @@ def demo(
         bool, typer.Option("--json", help="Print the results as JSON at the end.")
     ] = False,
 ) -> None:  # fmt: skip
-    """Watch igrip decide what a simulated person reaches for, and with which grip.
+    """Watch igrip predict what a simulated person reaches for, and with which grip.
 
     The scene is live in the terminal and, unless --headless, in the browser.
 
