@@ -1,9 +1,9 @@
-"""Who is timed when."""
+"""Contestants are timed by turns."""
 
 import numpy as np
 import pytest
 
-from igrip.benchmark.timing import interleaved, milliseconds
+from igrip.lab.speed.timing import interleaved, percentiles
 
 
 def test_interleaving_calls_each_in_turn():
@@ -13,7 +13,7 @@ def test_interleaving_calls_each_in_turn():
     )
     assert calls == [("a", 0), ("b", 0), ("a", 1), ("b", 1)]
     assert {name: len(seconds) for name, seconds in times.items()} == {"a": 2, "b": 2}
-    assert milliseconds(np.array([0.001, 0.002, 0.003]))["p50_ms"] == pytest.approx(2.0)
+    assert percentiles(np.array([0.001, 0.002, 0.003]))["p50_ms"] == pytest.approx(2.0)
 
 
 def test_turns_of_several_frames():

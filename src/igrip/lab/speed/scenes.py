@@ -1,4 +1,4 @@
-"""The scenes that are timed: two hands that reach, and as many objects as asked for."""
+"""The scenes that are timed: reaching hands, and as many objects as wanted."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from igrip.lab.simulation.minimum_jerk import reach
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.observation import Observation
 
-RATE = 30.0
+RATE = 30.0  # messages per second
 NOISE = 0.002  # sd of every position [m]: no two frames are alike, as with a real sensor
 
 
@@ -30,15 +30,15 @@ def frames(
     count : int
         Number of messages.
     objects, hands : int
-        How many there are. Objects stand on a table that grows with their number, so that they are
+        Numbers of objects and hands. The table grows with the number of objects, so that they stay
         as dense as on the table of the paper.
     models : sequence of str
-        Models of the objects, in turn.
+        Models of the objects, by turns.
     seed : int
-        Of places and noise.
+        Seed of orientations and noise.
     """
     random = np.random.default_rng(seed)
-    # the first four never move: the hands reach for two of them, whatever stands around
+    # the first four places never move: the hands reach for two of them, whatever stands around
     cells = sorted(product(range(-6, 8), range(-1, 13)), key=_ring)[:objects]
     places = [np.array([0.25 * (i - 0.5), 0.35 + 0.25 * j, 0.0]) for i, j in cells]
     turns = random.uniform(-math.pi, math.pi, objects)
@@ -71,6 +71,6 @@ def frames(
 
 
 def _ring(cell: tuple[int, int]) -> tuple[int, int, int]:
-    """Order cells of the table by how far they are from the four in its middle."""
+    """Return the sort key of a cell of the table: its distance from the four in the middle."""
     i, j = cell
     return max(abs(2 * i - 1), abs(2 * j - 1)), j, i

@@ -1,4 +1,4 @@
-"""Times of several contestants, taken in turn, so that a slower moment slows them all."""
+"""Time several contestants by turns, so that a slow moment of the machine slows them all."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ Work = Callable[[int], object]
 
 
 def interleaved(
-    contestants: Mapping[str, Work], frames: Sequence[int], turn: int = 1, least: float = 0.0
+    contestants: Mapping[str, Work], frames: Sequence[int], turn: int = 1, period: float = 0.0
 ) -> dict[str, NDArray[np.float64]]:
-    """Time each contestant on each frame, in turn.
+    """Time each contestant on each frame, by turns.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def interleaved(
     turn : int
         Frames that one contestant does in a row. With 1 each finds the processor's caches full of
         what the others left; with more, its own ("hot").
-    least : float
-        Length of a turn [s]: the rest of it is slept through (a cadence). 0: none.
+    period : float
+        Seconds from the start of one round of turns to the next; the rest is slept. 0: no pause.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def interleaved(
     times: dict[str, list[float]] = {name: [] for name in contestants}
     clock = time.perf_counter
     gc.collect()
-    gc.disable()  # a collection in the middle would be charged to whoever runs then
+    gc.disable()  # a collection would be charged to whoever runs at that moment
     try:
         for first in range(0, len(frames), turn):
             begin = clock()
@@ -46,15 +46,15 @@ def interleaved(
                     before = clock()
                     work(frame)
                     times[name].append(clock() - before)
-            left = begin + least - clock()
-            if left > 0.0:
-                time.sleep(left)
+            rest = begin + period - clock()
+            if rest > 0.0:
+                time.sleep(rest)
     finally:
         gc.enable()
     return {name: np.array(seconds) for name, seconds in times.items()}
 
 
-def milliseconds(seconds: NDArray[np.float64]) -> dict[str, float]:
+def percentiles(seconds: NDArray[np.float64]) -> dict[str, float]:
     """Return the median and the 99th percentile [ms]."""
     return {
         "p50_ms": float(np.median(seconds)) * 1e3,

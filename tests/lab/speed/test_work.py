@@ -1,23 +1,24 @@
-"""What a frame costs, counted where the machine does not matter: rays cast and nodes visited."""
+"""The cost of a frame in rays and tree nodes, which do not depend on the machine."""
 
 import numpy as np
 import pytest
 
 from igrip import Config, Estimator
-from igrip.benchmark import run, scenes
-from igrip.benchmark.peers import Embree, Workload
+from igrip.lab.speed import scenes
+from igrip.lab.speed.engines import Embree, rays_of
+from igrip.lab.speed.recorded import WARM_UP
 
 FRAMES = 300
 
 
 def work(catalog, objects):
-    """Return rays and nodes a frame on the scene of ``igrip bench``."""
+    """Return nodes of rays, nodes of points and rays per frame on the scene of ``igrip bench``."""
     estimator = Estimator(catalog, Config(targets="paper"))
-    frames = scenes.frames(run.WARM_UP + FRAMES, objects)
-    for frame in frames[: run.WARM_UP]:
+    frames = scenes.frames(WARM_UP + FRAMES, objects)
+    for frame in frames[:WARM_UP]:
         estimator.update(frame)
     before = estimator.scene.counters.copy()
-    for frame in frames[run.WARM_UP :]:
+    for frame in frames[WARM_UP:]:
         estimator.update(frame)
     return (estimator.scene.counters - before) / FRAMES
 
@@ -54,12 +55,12 @@ def test_peers_get_the_rays_that_are_counted(ycb):
     for frame in scenes.frames(60):
         estimator.update(frame)
     motions = [track.motion for track in estimator.hands.values()]
-    workload = Workload(estimator.scene, motions, estimator.objects)
+    rays = rays_of(estimator.scene, motions, estimator.objects)
     before = estimator.scene.counters[2]
     geometry = estimator.scene.measure(motions, estimator.objects)
-    assert sum(len(origins) for origins, _ in workload.rays) == estimator.scene.counters[2] - before
+    assert sum(len(origins) for origins, _ in rays) == estimator.scene.counters[2] - before
     pytest.importorskip("embreex", reason="no wheel for this machine")
     embree = Embree(estimator.objects)
-    hits = np.array(embree.cast(embree.prepare(workload)))
+    hits = np.array(embree.cast(embree.prepare(rays)))
     ours = sum(g.hits for g in geometry)
     assert np.abs(hits - ours).max() <= 2  # single precision at the edges

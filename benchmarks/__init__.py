@@ -1,0 +1,1 @@
+"""Benchmarks that stay outside the wheel: ``python -m benchmarks``, ``.startup``, ``.tree``."""
