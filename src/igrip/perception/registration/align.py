@@ -2,15 +2,84 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.perception.registration.signed_distance import look_up
 
+Array = NDArray[np.float64]
+
+
+class RigidPose(NamedTuple):
+    """A pose: from the frame of a mesh to another.
+
+    Attributes
+    ----------
+    rotation : (3, 3)
+    translation : (3,)
+        [m].
+    """
+
+    rotation: Array
+    translation: Array
+
+    def apply(self, points: Array) -> Array:
+        """Return points of the mesh, (n, 3) or (3,), in the other frame [m]."""
+        moved: Array = points @ self.rotation.T + self.translation
+        return moved
+
+    def to_mesh(self, points: Array) -> Array:
+        """Return points of the other frame, (n, 3), in that of the mesh [m]."""
+        moved: Array = (points - self.translation) @ self.rotation
+        return moved
+
+    def after(self, pose: Array) -> RigidPose:
+        """Return this pose, carried on by another, (4, 4)."""
+        return RigidPose(
+            pose[:3, :3] @ self.rotation, pose[:3, :3] @ self.translation + pose[:3, 3]
+        )
+
+
+class Resting(NamedTuple):
+    """How a mesh rests on the table, as a weak prior of its pose.
+
+    Attributes
+    ----------
+    up : (3,)
+        Direction of the mesh that points up.
+    height : float
+        Of the centre of the mesh over the table [m].
+    weight : float
+        Of this, in shares of the points; 0: it may be anywhere.
+    """
+
+    up: Array
+    height: float
+    weight: float
+
+
+class Annealing(NamedTuple):
+    """The steps of a fit; points farther off than the gate do not count (Tukey's biweight).
+
+    Attributes
+    ----------
+    first_gate, last_gate : float
+        At the first and at the last step [m].
+    steps : int
+    """
+
+    first_gate: float
+    last_gate: float
+    steps: int
+
 
 @kernel
-def turn(rotation, translation, about, w, shift):
+def rotate_about(pose, centre, w, shift):
     """Turn a pose by the rotation vector w (3,) about a point, then shift it; in place."""
+    rotation, translation = pose
     angle = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
     q = np.eye(3)
     if angle > 1e-12:
@@ -21,9 +90,9 @@ def turn(rotation, translation, about, w, shift):
         q[1, 0], q[1, 1], q[1, 2] = y * x * d + z * s, c + y * y * d, y * z * d - x * s
         q[2, 0], q[2, 1], q[2, 2] = z * x * d - y * s, z * y * d + x * s, c + z * z * d
     old = rotation.copy()
-    away = translation - about
+    away = translation - centre
     for i in range(3):
-        translation[i] = about[i] + shift[i]
+        translation[i] = centre[i] + shift[i]
         for j in range(3):
             translation[i] += q[i, j] * away[j]
             total = 0.0
@@ -33,37 +102,23 @@ def turn(rotation, translation, about, w, shift):
 
 
 @kernel
-def align(
-    points, values, origin, cell, middle, rotation, translation, free, hold, up, height,
-    radius, widest, narrowest, steps, information,
-):  # fmt: skip
+def align(points, surface, pose, resting, planar, annealing, information):
     """Fit the pose of a mesh to points, in the frame of a table (z up) or any other.
 
     Parameters
     ----------
     points : (n, 3)
         Measured [m].
-    values, origin, cell
-        Distance field of the mesh (:class:`igrip.perception.registration.signed_distance.Field`).
-    middle : (3,)
-        Of the mesh, about which it turns, in its frame [m].
-    rotation : (3, 3), translation : (3,), changed in place
+    surface : igrip.perception.registration.shape.Surface
+        Of the mesh.
+    pose : RigidPose, changed in place
         Table-from-mesh.
-    free : int
-        3: along x and y, and about z; 6: all.
-    hold : float
-        0, or the weight of resting as ``up`` and ``height`` say, in shares of the points.
-    up : (3,)
-        Direction of the mesh that should point up.
-    height : float
-        Of ``middle`` over the table, as it should be [m].
-    radius : float
-        Of the mesh [m]: turns weigh as much as shifts of its rim.
-    widest, narrowest : float
-        Points farther than it do not count [m], at the first and at the last step (Tukey's
-        biweight).
-    steps : int
-        How many.
+    resting : Resting
+        A prior.
+    planar : bool
+        Whether it may move along x and y and turn about z only.
+    annealing : Annealing
+        Gates and steps.
     information : (6, 6), written
         Sum of the weighted outer products of the derivatives at the last step.
 
@@ -72,6 +127,10 @@ def align(
     rms, weight : float
         Weighted root mean square of the distances [m] and the sum of the weights at the last step.
     """
+    rotation, translation = pose
+    radius, middle = surface.radius, surface.centre
+    up, height, hold = resting
+    widest, narrowest, steps = annealing
     a = np.empty((6, 6))
     b = np.empty(6)
     j = np.empty(6)
@@ -97,7 +156,7 @@ def align(
                 points[n, 2] - translation[2],
             )
             r = look_up(
-                values, origin, cell,
+                surface.field,
                 rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z,
                 rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z,
                 rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z,
@@ -136,7 +195,7 @@ def align(
             a[4, 4] += lean
             b[4] -= lean * ux
         for p in range(6):
-            held = free == 3 and (p == 2 or p == 3 or p == 4)
+            held = planar and (p == 2 or p == 3 or p == 4)
             if held:
                 a[p, :] = 0.0
                 a[:, p] = 0.0
@@ -148,5 +207,5 @@ def align(
         for i in range(3):
             shift[i] = min(max(d[i], -widest), widest)
             w[i] = min(max(d[3 + i], -0.3), 0.3)
-        turn(rotation, translation, about, w, shift)
+        rotate_about(pose, about, w, shift)
     return rms, total

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from igrip.lab.rendering.sprites import Sprite, film_sprites, place
+from igrip.perception.pipeline.detectors import hand_eye, object_eye
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -22,11 +24,9 @@ import igrip
 from igrip.entities import Hand, ObjectPose
 from igrip.lab.rendering.filmed_reach import MIDDLE, FilmedReach, film_reach
 from igrip.lab.rendering.layout import PlacedMesh
-from igrip.lab.rendering.sprites import Sprite, film_sprites, place
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.observation import Observation
 from igrip.perception.hands.mediapipe import MediaPipeHands
-from igrip.perception.pipeline.detectors import hand_eye, object_eye
 from igrip.perception.pipeline.merge import HandsFound, ObjectsFound
 from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame

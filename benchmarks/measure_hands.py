@@ -16,10 +16,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
-
 from igrip.lab.rendering.sprites import draw_hand, film_sprites, place
 from igrip.perception.hand_detection.image_tiles import PALM, covered, palm_length
+from numpy.typing import NDArray
+
 from igrip.perception.hands import HandDetection
 from igrip.perception.hands.mediapipe import MediaPipeConfig, MediaPipeHands
 from igrip.rgbd import Intrinsics, RgbdFrame
