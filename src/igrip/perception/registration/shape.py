@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from igrip.compiled import cache_directory
@@ -18,7 +19,7 @@ from igrip.perception.registration.signed_distance import SignedDistanceField, s
 
 Array = NDArray[np.float64]
 
-SAMPLES = 400
+MAX_POINTS = 400  # on a surface; those too near to another are left out
 _DERIVED_BY = (
     "perception/registration/shape.py", "perception/registration/signed_distance.py",
     "objects/stable_poses.py",
@@ -85,33 +86,14 @@ def shape_of(model: ObjectModel) -> Shape:
 
 
 def _derive(model: ObjectModel) -> Shape:
-    points, normals = _sample(model)
-    field = signed_distance_field(model.vertices, model.bvh)
-    return Shape(
-        model.name,
-        Surface(field, points, normals, model.sphere[:3].copy(), float(model.sphere[3])),
-        stable_poses(model.vertices, model.centre),
-        model.mesh_from_object[:3, :3].copy(),
-    )
-
-
-def _sample(model: ObjectModel) -> tuple[Array, Array]:
-    """Return points on the surface, each as far as can be from those before it, and normals."""
-    random = np.random.default_rng(0)
-    a, b, c = (model.vertices[model.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    area = np.linalg.norm(normals, axis=1)
-    chosen = random.choice(len(area), size=10 * SAMPLES, p=area / area.sum())
-    u, v = random.random((2, 10 * SAMPLES))
-    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
-    points = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
-    kept = [0]
-    away = np.full(len(points), np.inf)
-    for _ in range(SAMPLES - 1):
-        away = np.minimum(away, ((points - points[kept[-1]]) ** 2).sum(axis=1))
-        kept.append(int(np.argmax(away)))
-    which = chosen[kept]
-    return points[kept], normals[which] / area[which, None]
+    mesh = trimesh.Trimesh(model.vertices, model.faces, process=False)
+    points, faces = trimesh.sample.sample_surface_even(mesh, MAX_POINTS, seed=0)
+    surface = Surface(
+        signed_distance_field(model.vertices, model.bvh), np.asarray(points),
+        np.asarray(mesh.face_normals[faces]), model.sphere[:3].copy(), float(model.sphere[3]),
+    )  # fmt: skip
+    ways = stable_poses(model.vertices, model.centre)
+    return Shape(model.name, surface, ways, model.mesh_from_object[:3, :3].copy())
 
 
 def _read(path: Path, model: ObjectModel) -> Shape | None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.cluster.vq import kmeans2
 
 from igrip.perception.registration.align import Annealing
 from igrip.perception.registration.clusters import MIN_POINTS, Cluster
@@ -81,14 +82,7 @@ def _divide(points: Array, number: int) -> NDArray[np.int64]:
     for _ in range(number - 1):
         away = ((flat[:, None] - middles) ** 2).sum(axis=2).min(axis=1)
         middles = np.concatenate([middles, flat[[int(np.argmax(away))]]])
-    labels = np.zeros(len(points), dtype=np.int64)
-    for _ in range(10):
-        labels = ((flat[:, None] - middles) ** 2).sum(axis=2).argmin(axis=1)
-        middles = np.array([
-            flat[labels == k].mean(axis=0) if (labels == k).any() else middles[k]
-            for k in range(number)
-        ])  # fmt: skip
-    return labels
+    return kmeans2(flat, middles, iter=10, minit="matrix")[1].astype(np.int64)
 
 
 def _distances(fit: PoseFit, points: Array) -> Array:
