@@ -11,12 +11,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from igrip.rgbd import Array
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 IDS = ("right", "left")
 NO_MATCH = 1e3  # m

@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 
 from igrip.entities import Hand, Vector
 from igrip.perception.hands import PALM, HandDetection
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 NEAR_QUANTILE = 0.25  # of the depths is on the hand: background is no more than 3/4; guess
 SLOPE = 0.2  # prior of the relative change of depth over the length of a palm; 45° at 0.6 m: 0.15

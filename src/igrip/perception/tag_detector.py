@@ -6,13 +6,10 @@ from collections import Counter
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.errors import UnknownNameError, requires_extra
 from igrip.perception.opencv import load_opencv
-from igrip.rgbd import RgbdFrame
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array, RgbdFrame
 
 FAMILIES = ("tag16h5", "tag25h9", "tag36h11", "tagStandard41h12", "tagStandard52h13")
 MIN_MARGIN = 20.0  # how surely the bits of a tag are read, 0 to about 150; guess

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from igrip.perception.registration.align import Annealing, Resting, RigidPose, align, rotate_about
+from igrip.perception.registration.align import Annealing, Resting, align
+from igrip.perception.registration.rigid_pose import RigidPose, turn_about
 from igrip.perception.registration.shape import shape_of
 
 FREE = Resting(np.zeros(3), 0.0, 0.0)
@@ -17,7 +18,7 @@ def test_a_turn_is_the_rotation_by_that_vector():
     point = random.normal(size=3)
     before = rotation @ point + translation
     turned = Rotation.from_rotvec(w).as_matrix() @ (before - about) + about + shift
-    rotate_about(RigidPose(rotation, translation), about, w, shift)
+    turn_about(RigidPose(rotation, translation), about, w, shift)
     np.testing.assert_allclose(rotation @ point + translation, turned, atol=1e-12)
 
 

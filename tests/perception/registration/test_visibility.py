@@ -5,7 +5,7 @@ import pytest
 
 from igrip.lab.rendering.scene import RenderConfig, strewn_scene
 from igrip.objects.catalog import PAPER_OBJECTS
-from igrip.perception.registration.align import RigidPose
+from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import shape_of
 from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import (

@@ -12,9 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.rgbd import RgbdFrame
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array, RgbdFrame
 
 PALM = (0, 5, 17)  # wrist, roots of the index and the little finger
 PALM_LENGTH = 0.09  # m from the wrist to the knuckles of an adult's hand; guess

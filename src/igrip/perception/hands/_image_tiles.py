@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from igrip.perception.hands import PALM, HandDetection, palm_length
 from igrip.perception.opencv import load_opencv
-from igrip.rgbd import Intrinsics
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array, Intrinsics
 
 MAX_SIDE = 512  # pixels of a tile: the landmark network sees a hand at 224
 TURNS = (60.0, 150.0, 240.0, 330.0, 0.0)  # it is not alike in all directions; docs/hands.md

@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from igrip.entities import ObjectPose
 from igrip.objects.catalog import Catalog
 from igrip.perception.poses._options import parse_options
 from igrip.registry import Registry
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 
 __all__ = ["POSES", "PoseEstimator", "parse_options"]
-Array = NDArray[np.float64]
 
 
 class PoseEstimator(Protocol):

@@ -11,13 +11,10 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.perception.opencv import load_opencv
 from igrip.perception.tag_detector import TagDetection
-from igrip.rgbd import Intrinsics
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array, Intrinsics
 
 MIN_CORNER_NOISE = 0.2  # pixels; docs/tags.md
 SAME_POSE = math.radians(8.0)  # poses that differ by less are one; guess

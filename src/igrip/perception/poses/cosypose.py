@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.spatial.transform import Rotation
 
@@ -20,10 +19,8 @@ from igrip.objects.catalog import Catalog
 from igrip.perception.poses import POSES
 from igrip.perception.poses._cosypose_client import Answer, PoseServerClient
 from igrip.perception.poses._options import validated
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 YCBV = (
     "002_master_chef_can", "003_cracker_box", "004_sugar_box", "005_tomato_soup_can",

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.spatial.transform import Rotation
 
@@ -32,10 +31,8 @@ from igrip.perception.registration.search import find_objects, on_object
 from igrip.perception.registration.shape import Shape, shape_of
 from igrip.perception.registration.track import ObjectTrack
 from igrip.perception.registration.view import DepthView, depth_view, inverse, measured_points
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 POINTS = 3000  # that a new object is fitted to in the end
 RENAMED = {

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose, Quaternion, Vector
@@ -23,10 +22,8 @@ from igrip.perception.poses import POSES
 from igrip.perception.poses._options import validated
 from igrip.perception.poses._tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.tag_detector import TagDetection, TagDetector
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 NEARER = 0.03  # m: what is so much nearer than a tag hides it; guess
 RENAMED = {"lasting": "max_pose_age", "missing": "missing_after"}

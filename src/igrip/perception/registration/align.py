@@ -5,42 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.compiled import kernel
+from igrip.perception.registration.rigid_pose import into_mesh, rotate, turn_about
 from igrip.perception.registration.signed_distance import look_up
-
-Array = NDArray[np.float64]
-
-
-class RigidPose(NamedTuple):
-    """A pose: from the frame of a mesh to another.
-
-    Attributes
-    ----------
-    rotation : (3, 3)
-    translation : (3,)
-        [m].
-    """
-
-    rotation: Array
-    translation: Array
-
-    def apply(self, points: Array) -> Array:
-        """Return points of the mesh, (n, 3) or (3,), in the other frame [m]."""
-        moved: Array = points @ self.rotation.T + self.translation
-        return moved
-
-    def to_mesh(self, points: Array) -> Array:
-        """Return points of the other frame, (n, 3), in that of the mesh [m]."""
-        moved: Array = (points - self.translation) @ self.rotation
-        return moved
-
-    def after(self, pose: Array) -> RigidPose:
-        """Return this pose, carried on by another, (4, 4)."""
-        return RigidPose(
-            pose[:3, :3] @ self.rotation, pose[:3, :3] @ self.translation + pose[:3, 3]
-        )
+from igrip.rgbd import Array
 
 
 class Resting(NamedTuple):
@@ -77,48 +46,18 @@ class Annealing(NamedTuple):
 
 
 @kernel
-def rotate_about(pose, centre, w, shift):
-    """Turn a pose by the rotation vector w (3,) about a point, then shift it; in place."""
-    rotation, translation = pose
-    angle = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
-    q = np.eye(3)
-    if angle > 1e-12:
-        x, y, z = w[0] / angle, w[1] / angle, w[2] / angle
-        s, c = np.sin(angle), np.cos(angle)
-        d = 1.0 - c
-        q[0, 0], q[0, 1], q[0, 2] = c + x * x * d, x * y * d - z * s, x * z * d + y * s
-        q[1, 0], q[1, 1], q[1, 2] = y * x * d + z * s, c + y * y * d, y * z * d - x * s
-        q[2, 0], q[2, 1], q[2, 2] = z * x * d - y * s, z * y * d + x * s, c + z * z * d
-    old = rotation.copy()
-    away = translation - centre
-    for i in range(3):
-        translation[i] = centre[i] + shift[i]
-        for j in range(3):
-            translation[i] += q[i, j] * away[j]
-            total = 0.0
-            for k in range(3):
-                total += q[i, k] * old[k, j]
-            rotation[i, j] = total
-
-
-@kernel
 def align(points, surface, pose, resting, planar, annealing, information):
-    """Fit the pose of a mesh to points, in the frame of a table (z up) or any other.
+    """Fit the pose of a mesh to points (n, 3) of the frame of a table, z up [m].
 
     Parameters
     ----------
-    points : (n, 3)
-        Measured [m].
-    surface : igrip.perception.registration.shape.Surface
-        Of the mesh.
+    points, surface, resting, annealing
+        The points, the :class:`igrip.perception.registration.shape.Surface` of the mesh, the prior
+        and the steps.
     pose : RigidPose, changed in place
         Table-from-mesh.
-    resting : Resting
-        A prior.
     planar : bool
         Whether it may move along x and y and turn about z only.
-    annealing : Annealing
-        Gates and steps.
     information : (6, 6), written
         Sum of the weighted outer products of the derivatives at the last step.
 
@@ -150,25 +89,13 @@ def align(points, surface, pose, resting, planar, annealing, information):
         b[:] = 0.0
         total, squares = 0.0, 0.0
         for n in range(points.shape[0]):
-            x, y, z = (
-                points[n, 0] - translation[0],
-                points[n, 1] - translation[1],
-                points[n, 2] - translation[2],
-            )
-            r = look_up(
-                surface.field,
-                rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z,
-                rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z,
-                rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z,
-                g,
-            )  # fmt: skip
+            x, y, z = points[n, 0], points[n, 1], points[n, 2]
+            r = look_up(surface.field, *into_mesh(pose, x, y, z), g)
             if abs(r) >= limit:
                 continue
             weight = (1.0 - (r / limit) ** 2) ** 2
-            gx = rotation[0, 0] * g[0] + rotation[0, 1] * g[1] + rotation[0, 2] * g[2]
-            gy = rotation[1, 0] * g[0] + rotation[1, 1] * g[1] + rotation[1, 2] * g[2]
-            gz = rotation[2, 0] * g[0] + rotation[2, 1] * g[1] + rotation[2, 2] * g[2]
-            x, y, z = points[n, 0] - about[0], points[n, 1] - about[1], points[n, 2] - about[2]
+            gx, gy, gz = rotate(rotation, g[0], g[1], g[2])
+            x, y, z = x - about[0], y - about[1], z - about[2]
             j[0], j[1], j[2] = -gx, -gy, -gz
             j[3], j[4], j[5] = -(y * gz - z * gy), -(z * gx - x * gz), -(x * gy - y * gx)
             for p in range(6):
@@ -185,8 +112,7 @@ def align(points, surface, pose, resting, planar, annealing, information):
         rms = np.sqrt(squares / total)
         information[:] = a
         if hold > 0.0:
-            ux = rotation[0, 0] * up[0] + rotation[0, 1] * up[1] + rotation[0, 2] * up[2]
-            uy = rotation[1, 0] * up[0] + rotation[1, 1] * up[1] + rotation[1, 2] * up[2]
+            ux, uy, _ = rotate(rotation, up[0], up[1], up[2])
             lean = hold * total * radius * radius
             a[2, 2] += hold * total
             b[2] -= hold * total * (about[2] - height)
@@ -207,5 +133,5 @@ def align(points, surface, pose, resting, planar, annealing, information):
         for i in range(3):
             shift[i] = min(max(d[i], -widest), widest)
             w[i] = min(max(d[3 + i], -0.3), 0.3)
-        rotate_about(pose, about, w, shift)
+        turn_about(pose, about, w, shift)
     return rms, total

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_closing, grey_dilation, label
 from scipy.spatial import ConvexHull, QhullError
 
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 CELL = 0.008  # of the grid on the table [m]; a gap of two cells parts two clusters
 TABLE_CELL = 0.02  # of the grid that says where the table is [m]

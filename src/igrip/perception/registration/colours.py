@@ -12,7 +12,6 @@ from igrip.perception.opencv import load_opencv
 from igrip.perception.registration.fit import PoseFit
 from igrip.perception.registration.view import DepthView
 
-Array = NDArray[np.float64]
 Palette = NDArray[np.float64]
 """Share of each of 10 x 10 bins of r/(r+g+b) and g/(r+g+b), shape (10, 10)."""
 

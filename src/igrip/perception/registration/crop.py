@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.compiled import kernel
-from igrip.perception.registration.align import RigidPose
 from igrip.perception.registration.clusters import MIN_HEIGHT
+from igrip.perception.registration.rigid_pose import RigidPose, into_mesh, rotate, rotate_back
 from igrip.perception.registration.shape import Surface
 from igrip.perception.registration.signed_distance import look_up
 from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import local_depth
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 GATE = 0.03  # points farther from the surface are left out [m]; 0.9 m/s at 30 Hz
 LOWEST = MIN_HEIGHT - 0.004  # and points lower over the table, besides noise [m]
@@ -24,16 +22,7 @@ def points_near(
 ) -> tuple[Array, Array]:
     """Return measured points near a mesh, in the frame of the table (n, 3) [m], and their depths.
 
-    Parameters
-    ----------
-    view : DepthView
-        The picture.
-    pose : RigidPose
-        Table-from-mesh.
-    surface : Surface
-        Of the mesh.
-    count : int
-        About so many; seldom more than four times that.
+    There are about ``count``, seldom more than four times that. ``pose`` is table-from-mesh.
     """
     centre = pose.rotation @ surface.centre + pose.translation
     away = view.camera_from_table[:3, :3] @ centre
@@ -48,20 +37,15 @@ def points_near(
 @kernel
 def _collect(view, pose, surface, stride, points, depths):
     """Write points (n, 3) and depths (n,) of every ``stride``-th pixel; return how many."""
-    rotation, translation = pose
-    middle, radius = surface.centre, surface.radius
-    depth, camera = view.depth, view.intrinsics
-    t = view.table_from_camera
+    depth, camera, t = view.depth, view.intrinsics, view.table_from_camera
     about = np.empty(3)
     g = np.empty(3)
     for i in range(3):
-        about[i] = translation[i] - t[i, 3]
+        about[i] = pose.translation[i] - t[i, 3]
         for k in range(3):
-            about[i] += rotation[i, k] * middle[k]
-    x = t[0, 0] * about[0] + t[1, 0] * about[1] + t[2, 0] * about[2]
-    y = t[0, 1] * about[0] + t[1, 1] * about[1] + t[2, 1] * about[2]
-    z = t[0, 2] * about[0] + t[1, 2] * about[1] + t[2, 2] * about[2]
-    reach = radius + GATE
+            about[i] += pose.rotation[i, k] * surface.centre[k]
+    x, y, z = rotate_back(t, about[0], about[1], about[2])
+    reach = surface.radius + GATE
     if z - reach <= 0.05:
         return 0
     half_x, half_y = camera.fx * reach / (z - reach), camera.fy * reach / (z - reach)
@@ -78,20 +62,11 @@ def _collect(view, pose, surface, stride, points, depths):
                 continue
             d = local_depth(depth, u, v)
             a, b = (u - camera.cx) / camera.fx * d, (v - camera.cy) / camera.fy * d
-            px = t[0, 0] * a + t[0, 1] * b + t[0, 2] * d + t[0, 3]
-            py = t[1, 0] * a + t[1, 1] * b + t[1, 2] * d + t[1, 3]
-            pz = t[2, 0] * a + t[2, 1] * b + t[2, 2] * d + t[2, 3]
+            px, py, pz = rotate(t, a, b, d)
+            px, py, pz = px + t[0, 3], py + t[1, 3], pz + t[2, 3]
             if pz < LOWEST + 3.0 * view.noise * d * d:
                 continue
-            x, y, w = px - translation[0], py - translation[1], pz - translation[2]
-            away = look_up(
-                surface.field,
-                rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * w,
-                rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * w,
-                rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * w,
-                g,
-            )  # fmt: skip
-            if abs(away) > GATE:
+            if abs(look_up(surface.field, *into_mesh(pose, px, py, pz), g)) > GATE:
                 continue
             if count == points.shape[0]:
                 return count

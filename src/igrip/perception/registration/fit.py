@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.objects.stable_poses import StablePoses
-from igrip.perception.registration.align import Annealing, Resting, RigidPose, align
+from igrip.perception.registration.align import Annealing, Resting, align
 from igrip.perception.registration.clusters import Cluster
 from igrip.perception.registration.initial_poses import initial_poses
+from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import Shape
 from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import (
@@ -19,8 +20,7 @@ from igrip.perception.registration.visibility import (
     compare_with_depth,
     share_explained,
 )
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 FEW, MANY = 120, 400  # points of a cluster used to choose among starts, and to fit
 TOO_HIGH, TOO_LOW = 0.03, 0.06  # the top of a cluster over and under that of the shape [m]; guess

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.objects.stable_poses import StablePoses
-from igrip.perception.registration.align import Annealing, Resting, RigidPose, align
+from igrip.perception.registration.align import Annealing, Resting, align
+from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import Surface
 from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import (
@@ -17,8 +17,7 @@ from igrip.perception.registration.visibility import (
     compare_with_depth,
     share_explained,
 )
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 TURNS = np.arange(12) * (2.0 * np.pi / 12)
 ANNEALING = Annealing(0.04, 0.012, 6)
@@ -26,24 +25,12 @@ ANYWHERE = Resting(np.zeros(3), 0.0, 0.0)
 
 
 class InitialPose(NamedTuple):
-    """A pose from which a fit may start.
+    """A pose from which a fit may start."""
 
-    Attributes
-    ----------
-    way : int
-        Of resting.
-    pose : RigidPose
-        Table-from-mesh.
-    visibility : Visibility
-        How it agrees with the picture.
-    cover : float
-        Share of the cluster's points that it explains, by how well.
-    """
-
-    way: int
-    pose: RigidPose
+    way: int  # of resting
+    pose: RigidPose  # table-from-mesh
     visibility: Visibility
-    cover: float
+    cover: float  # share of the cluster's points that it explains, by how well
 
 
 def initial_poses(
@@ -51,16 +38,8 @@ def initial_poses(
 ) -> list[InitialPose]:
     """Settle a mesh on a cluster from every way of resting and every turn about the vertical.
 
-    Parameters
-    ----------
-    points : (n, 3), depths : (n,)
-        Of the cluster, in the frame of the table, and along the optical axis [m].
-    stable_poses : StablePoses
-        Ways of resting that are tried.
-    surface : Surface
-        Of the mesh; a part of its points is enough.
-    view : DepthView
-        The picture.
+    ``points`` (n, 3) and ``depths`` (n,) are the cluster's, in the frame of the table, and along
+    the optical axis [m].
     """
     shape = (len(stable_poses.heights), len(TURNS))
     rotations, translations = np.empty((*shape, 3, 3)), np.empty((*shape, 3))

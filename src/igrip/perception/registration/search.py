@@ -12,8 +12,7 @@ from igrip.perception.registration.clusters import MIN_POINTS, Cluster, clusters
 from igrip.perception.registration.fit import PoseFit, SearchContext, fit_to_cluster
 from igrip.perception.registration.shape import Shape
 from igrip.perception.registration.split_clusters import split_cluster
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 ON_OBJECT = 0.015  # points so near to a known object are its own [m]
 ROUNDS = 2  # what is left when the first are found is searched again

@@ -10,14 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from igrip.compiled import cache_directory
 from igrip.objects.model import ObjectModel
 from igrip.objects.stable_poses import StablePoses, stable_poses
 from igrip.perception.registration.signed_distance import SignedDistanceField, signed_distance_field
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 MAX_POINTS = 400  # on a surface; those too near to another are left out
 _DERIVED_BY = (

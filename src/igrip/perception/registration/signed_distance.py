@@ -15,8 +15,7 @@ from igrip.compiled import kernel
 from igrip.mesh.bvh import STACK, Bvh
 from igrip.mesh.nearest import nearest
 from igrip.mesh.ray import count_hits
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 MARGIN = 0.03  # of the grid round the mesh [m]; farther out the distance to the grid is added
 MAX_CELLS = 60_000  # about

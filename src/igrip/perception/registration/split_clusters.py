@@ -13,8 +13,7 @@ from igrip.perception.registration.align import Annealing
 from igrip.perception.registration.clusters import MIN_POINTS, Cluster
 from igrip.perception.registration.fit import PoseFit, SearchContext, fit_to_cluster, refit
 from igrip.perception.registration.shape import Shape
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 PARTS = (2, 3)  # into so many parts a cluster is divided for a start
 ON, BESIDE = 0.008, 0.02  # so near is on a mesh; so near is what it is fitted to [m]

@@ -10,14 +10,13 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.perception.registration.align import Annealing
 from igrip.perception.registration.crop import GATE, points_near
 from igrip.perception.registration.fit import PoseFit, rated, refit
 from igrip.perception.registration.view import DepthView
+from igrip.rgbd import Array
 
-Array = NDArray[np.float64]
 State = Literal["visible", "hidden", "gone"]
 
 ANNEALING = Annealing(GATE, 0.0, 8)

@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from igrip.perception.registration.plane import Plane
 from igrip.perception.registration.visibility import local_depths
-from igrip.rgbd import Intrinsics, RgbdFrame
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 FLESH = 0.035  # a hand reaches so far beyond its landmarks and the bones between them [m]; guess
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (9, 10, 11, 12), (13, 14, 15, 16), (0, 17, 18, 19, 20))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from igrip.compiled import kernel
+from igrip.perception.registration.rigid_pose import into_mesh, rotate, rotate_back
 from igrip.perception.registration.signed_distance import look_up
 
 MIN_COSINE = 0.15  # between surface and line of sight; at less nothing is concluded
@@ -16,30 +17,14 @@ SLOPE = 0.012  # how far they may be from the one in the middle, besides noise [
 
 
 class Visibility(NamedTuple):
-    """Shares of the area that would be visible if nothing stood before it.
+    """Shares of the area that would be visible if nothing stood before it."""
 
-    Attributes
-    ----------
-    match : float
-        Measured where it should be.
-    fit : float
-        The same, weighted by how well.
-    through : float
-        Measured farther away: the mesh is not there.
-    hidden : float
-        Measured nearer: something stands before it.
-    missing : float
-        Not measured.
-    outside : float
-        Out of the picture.
-    """
-
-    match: float
-    fit: float
-    through: float
-    hidden: float
-    missing: float
-    outside: float
+    match: float  # measured where it should be
+    fit: float  # the same, weighted by how well
+    through: float  # measured farther away: the mesh is not there
+    hidden: float  # measured nearer: something stands before it
+    missing: float  # not measured
+    outside: float  # out of the picture
 
 
 @kernel
@@ -92,33 +77,24 @@ def _hides_itself(field, x, y, z, dx, dy, dz, far, gradient):
 
 @kernel
 def compare_with_depth(view, pose, surface):
-    """Compare the side of a mesh that faces the camera with a depth picture.
+    """Return the :class:`Visibility` of a mesh, of the side that faces the camera.
 
     Parameters
     ----------
     view : igrip.perception.registration.view.DepthView
         The picture, and within which distance a measurement fits.
-    pose : igrip.perception.registration.align.RigidPose
+    pose : igrip.perception.registration.rigid_pose.RigidPose
         Camera-from-mesh.
     surface : igrip.perception.registration.shape.Surface
         Of the mesh.
-
-    Returns
-    -------
-    Visibility
     """
-    rotation, translation = pose
-    depth, intrinsics = view.depth, view.intrinsics
+    t, depth, intrinsics = pose.translation, view.depth, view.intrinsics
     g = np.empty(3)
     match, fit, through, hidden, missing, outside = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     total = 0.0
     # the camera, in the frame of the mesh
-    ex = -(rotation[0, 0] * translation[0] + rotation[1, 0] * translation[1]
-           + rotation[2, 0] * translation[2])  # fmt: skip
-    ey = -(rotation[0, 1] * translation[0] + rotation[1, 1] * translation[1]
-           + rotation[2, 1] * translation[2])  # fmt: skip
-    ez = -(rotation[0, 2] * translation[0] + rotation[1, 2] * translation[1]
-           + rotation[2, 2] * translation[2])  # fmt: skip
+    ex, ey, ez = rotate_back(pose.rotation, t[0], t[1], t[2])
+    ex, ey, ez = -ex, -ey, -ez
     for n in range(surface.points.shape[0]):
         sx, sy, sz = surface.points[n, 0], surface.points[n, 1], surface.points[n, 2]
         dx, dy, dz = ex - sx, ey - sy, ez - sz
@@ -131,9 +107,8 @@ def compare_with_depth(view, pose, surface):
         if _hides_itself(surface.field, sx, sy, sz, dx, dy, dz, 2.0 * surface.radius, g):
             continue
         total += weight
-        x = rotation[0, 0] * sx + rotation[0, 1] * sy + rotation[0, 2] * sz + translation[0]
-        y = rotation[1, 0] * sx + rotation[1, 1] * sy + rotation[1, 2] * sz + translation[1]
-        z = rotation[2, 0] * sx + rotation[2, 1] * sy + rotation[2, 2] * sz + translation[2]
+        x, y, z = rotate(pose.rotation, sx, sy, sz)
+        x, y, z = x + t[0], y + t[1], z + t[2]
         if z <= 0.0:
             outside += weight
             continue
@@ -160,12 +135,11 @@ def compare_with_depth(view, pose, surface):
             hidden += weight
         else:
             through += weight
-    if total > 0.0:
-        return Visibility(
-            match / total, fit / total, through / total, hidden / total, missing / total,
-            outside / total,
-        )  # fmt: skip
-    return Visibility(match, fit, through, hidden, missing, outside)
+    total = total if total > 0.0 else 1.0
+    return Visibility(
+        match / total, fit / total, through / total, hidden / total, missing / total,
+        outside / total,
+    )  # fmt: skip
 
 
 @kernel
@@ -175,22 +149,11 @@ def share_explained(points, depths, pose, surface, view):
     ``depths`` (n,) are theirs along the optical axis; ``pose`` is that of the mesh in the frame of
     the points.
     """
-    rotation, translation = pose
     g = np.empty(3)
     well = 0.0
     for n in range(points.shape[0]):
-        x, y, z = (
-            points[n, 0] - translation[0],
-            points[n, 1] - translation[1],
-            points[n, 2] - translation[2],
-        )
-        r = look_up(
-            surface.field,
-            rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z,
-            rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z,
-            rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z,
-            g,
-        )  # fmt: skip
+        place = into_mesh(pose, points[n, 0], points[n, 1], points[n, 2])
+        r = look_up(surface.field, *place, g)
         limit = tolerance_at(depths[n], view)
         if abs(r) < limit:
             well += 1.0 - (r / limit) ** 2
