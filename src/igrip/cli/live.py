@@ -23,8 +23,9 @@ from igrip.intention import Intention
 from igrip.io.recordings.files import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
-from igrip.perception.pipeline.detectors import hand_eye, object_eye, read_options, warm_up_eyes
 from igrip.perception.pipeline.pipeline import Pipeline
+from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
+from igrip.perception.poses import parse_options
 from igrip.runtime.access import Access
 from igrip.runtime.loop import Loop
 from igrip.runtime.outputs.stdout import StdoutOutput
@@ -109,15 +110,15 @@ def live(
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
             known = load_objects(*(catalog or ["ycb"]))
-            options = read_options(option or [])
+            options = parse_options(option or [])
             options["models"] = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
             for name in options["models"]:
                 known[name]
             warm_up(config, known)
             count = _check(camera, calibration)
-            new_hands = None if hands == NOTHING else hand_eye(hands, max_hands, apart, count)
-            new_objects = None if objects == NOTHING else object_eye(objects, known, options)
-            warm_up_eyes(new_hands, new_objects, known, options["models"])
+            new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, apart, count)
+            new_objects = None if objects == NOTHING else object_stages(objects, known, options)
+            warm_up_stages(new_hands, new_objects, known, options["models"])
             source = open_camera(camera, calibration)
         chain = stack.enter_context(Pipeline(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
@@ -243,7 +244,7 @@ def _looker(
             told = list(estimator.latest.values())
             panel.show({
                 camera: Seen(found.frame, found.landmarks, estimator.objects, told)
-                for camera, found in chain.pictures().items()
+                for camera, found in chain.latest_hands().items()
             })  # fmt: skip
         if now >= due:
             due = now + SCREEN_EVERY

@@ -62,8 +62,8 @@ class PicturePanel:
         self._thread.join(2.0)
 
     def _run(self) -> None:
-        while not self._waiting.over:
-            seen = self._waiting.take()
+        while not self._waiting.finished:
+            seen = self._waiting.get()
             if seen is None:
                 continue
             try:

@@ -1,4 +1,4 @@
-"""Finders made for each camera: palms measured, ids shared or kept apart."""
+"""Stages made for each camera: palms measured, ids shared or kept apart."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ import pytest
 
 from igrip.entities import ObjectPose
 from igrip.errors import IgripError, UnknownNameError
-from igrip.perception.hand_detection.hand_ids import IdentityConfig
+from igrip.perception.hand_ids import HandIdConfig
 from igrip.perception.hands import HandDetection
-from igrip.perception.pipeline.detectors import (
+from igrip.perception.pipeline.merge import DetectedHands
+from igrip.perception.pipeline.stages import (
     CrossCameraVisibility,
     HandIds,
     HandStage,
     ObjectStage,
-    hand_eye,
-    object_eye,
-    read_options,
+    hand_stages,
+    object_stages,
 )
-from igrip.perception.pipeline.merge import HandsFound
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 CAMERA = Intrinsics(320, 240, 250.0, 250.0, 159.5, 119.5)
@@ -34,13 +33,13 @@ def frame(t, camera="a", depth=0.6, shift=0.0):
     return RgbdFrame(t, picture, measured, CAMERA, camera, pose)
 
 
-class Finder:
+class Detector:
     """Sees hands where it is told to, in whatever order."""
 
     def __init__(self, *centres, labels=("right", "left")):
         self.centres, self.labels = centres, labels
 
-    def find(self, frame):
+    def detect(self, frame):
         return [
             HandDetection(HAND + centre, 0.9, label)
             for centre, label in zip(self.centres, self.labels, strict=False)
@@ -50,21 +49,21 @@ class Finder:
         pass
 
 
-def names(shared=False):
-    return HandIds(IdentityConfig(), shared)
+def new_ids(shared=False):
+    return HandIds(HandIdConfig(), shared)
 
 
-def run(eye, frames):
+def run(stage, frames):
     found = None
     for one in frames:
-        found = eye(one)
+        found = stage(one)
     return found
 
 
 def test_a_hand_is_measured_in_the_world_once_it_was_seen_for_a_while():
-    eye = HandStage(Finder([100.0, 100.0]), names())
-    assert not eye(frame(0.0, shift=1.0)).hands
-    found = run(eye, [frame(k / 30, shift=1.0) for k in range(1, 6)])
+    stage = HandStage(Detector([100.0, 100.0]), new_ids())
+    assert not stage(frame(0.0, shift=1.0)).hands
+    found = run(stage, [frame(k / 30, shift=1.0) for k in range(1, 6)])
     palm = (HAND[[0, 5, 17]].mean(axis=0) + 100.0 - [159.5, 119.5]) * 0.6 / 250.0
     assert found.hands["right"].position == pytest.approx((1.0 + palm[0], palm[1], 0.6), abs=2e-3)
     assert found.hands["right"].t == pytest.approx(5 / 30)
@@ -72,24 +71,24 @@ def test_a_hand_is_measured_in_the_world_once_it_was_seen_for_a_while():
 
 
 def test_a_hand_without_depth_is_not_measured():
-    eye = HandStage(Finder([100.0, 100.0]), names())
-    run(eye, [frame(k / 30) for k in range(5)])
-    found = eye(frame(0.2, depth=None))
+    stage = HandStage(Detector([100.0, 100.0]), new_ids())
+    run(stage, [frame(k / 30) for k in range(5)])
+    found = stage(frame(0.2, depth=None))
     assert found.hands == {"right": None}
     assert not found.landmarks
 
 
 def test_two_cameras_that_see_one_hand_call_it_the_same():
     """The second stands 0.2 m to the right, and sees the hand further to the left."""
-    shared, places = names(shared=True), {"a": 0.0, "b": 0.2}
-    eyes = {
-        "a": HandStage(Finder([160.0, 100.0]), shared),
-        "b": HandStage(Finder([160.0 - 0.2 * 250 / 0.6, 100.0], labels=("left",)), shared),
+    shared, places = new_ids(shared=True), {"a": 0.0, "b": 0.2}
+    stages = {
+        "a": HandStage(Detector([160.0, 100.0]), shared),
+        "b": HandStage(Detector([160.0 - 0.2 * 250 / 0.6, 100.0], labels=("left",)), shared),
     }
     told = []
     for k in range(12):
         camera = "ab"[k % 2]
-        found = eyes[camera](frame(k / 60, camera, shift=places[camera]))
+        found = stages[camera](frame(k / 60, camera, shift=places[camera]))
         told += [(id, hand.position) for id, hand in found.hands.items() if hand]
     assert {id for id, _ in told} == {"right"}
     spread = np.ptp([place for _, place in told], axis=0)
@@ -97,37 +96,37 @@ def test_two_cameras_that_see_one_hand_call_it_the_same():
 
 
 def test_kept_apart_each_camera_names_its_own():
-    eyes = [HandStage(Finder([160.0, 100.0]), names(), apart=True) for _ in range(2)]
+    stages = [HandStage(Detector([160.0, 100.0]), new_ids(), apart=True) for _ in range(2)]
     found = [
-        run(eye, [frame(k / 30, camera) for k in range(5)])
-        for eye, camera in zip(eyes, "ab", strict=True)
+        run(stage, [frame(k / 30, camera) for k in range(5)])
+        for stage, camera in zip(stages, "ab", strict=True)
     ]
     assert [list(f.hands) for f in found] == [["a/right"], ["b/right"]]
 
 
 def test_a_camera_that_misses_a_hand_takes_nothing_from_one_that_sees_it():
-    shared = names(shared=True)
-    sees, misses = HandStage(Finder([160.0, 100.0]), shared), HandStage(Finder(), shared)
+    shared = new_ids(shared=True)
+    sees, misses = HandStage(Detector([160.0, 100.0]), shared), HandStage(Detector(), shared)
     for k in range(10):
         assert None not in sees(frame(k / 30, "a")).hands.values()
         assert not misses(frame(k / 30 + 0.01, "b")).hands
 
 
 def test_a_recording_that_begins_anew_is_another_run():
-    shared = names(shared=True)
+    shared = new_ids(shared=True)
     for begin in (100.0, 0.0):
-        eye = HandStage(Finder([160.0, 100.0]), shared)
-        found = [eye(frame(begin + k / 30)) for k in range(10)]
+        stage = HandStage(Detector([160.0, 100.0]), shared)
+        found = [stage(frame(begin + k / 30)) for k in range(10)]
         assert [len(f.hands) for f in found] == [0, 0, *[1] * 8]
 
 
 def test_what_is_wrong_is_said_before_the_camera_runs(ycb):
     with pytest.raises(UnknownNameError, match="mediapipe"):
-        hand_eye("mediapip", 2)
+        hand_stages("mediapip", 2)
     with pytest.raises(UnknownNameError, match="depth"):
-        object_eye("deep", ycb, {})
+        object_stages("deep", ycb, {})
     with pytest.raises(IgripError, match="colour"):
-        object_eye("depth", ycb, {"models": ["006_mustard_bottle"], "colour": 1})
+        object_stages("depth", ycb, {"models": ["006_mustard_bottle"], "colour": 1})
 
 
 POSE = ObjectPose(position=(0.0, 0.0, 1.0), orientation=(0.0, 0.0, 0.0, 1.0), model="box")
@@ -139,7 +138,7 @@ class Things:
     def __init__(self, found):
         self.found, self.covers = found, []
 
-    def find(self, frame, hands=()):
+    def estimate(self, frame, hands=()):
         self.covers.append(len(hands))
         return self.found
 
@@ -148,32 +147,24 @@ class Things:
 
 
 def test_a_camera_that_misses_an_object_takes_nothing_from_one_that_sees_it():
-    sights = CrossCameraVisibility()
-    sees = ObjectStage(Things({"box": POSE}), sights)
-    misses = ObjectStage(Things({"box": None}), sights)
+    visibility = CrossCameraVisibility()
+    sees = ObjectStage(Things({"box": POSE}), visibility)
+    misses = ObjectStage(Things({"box": None}), visibility)
     assert sees(frame(1.0, "a"), None).poses == {"box": POSE}
     assert misses(frame(1.1, "b"), None).poses == {}
     assert misses(frame(2.5, "b"), None).poses == {"box": None}  # nobody saw it since
     sees(frame(3.0, "a"), None)
-    gone = ObjectStage(Things({"box": None}), sights)
+    gone = ObjectStage(Things({"box": None}), visibility)
     assert gone(frame(3.1, "a"), None).poses == {"box": None}  # who saw it last, misses it
 
 
 def test_every_hand_that_is_seen_covers_what_is_behind_it_but_not_for_long():
     things = Things({})
-    eye = ObjectStage(things)
-    seen = HandsFound(frame(1.0, depth=None), {}, {}, [HAND, HAND])
-    eye(frame(1.1), seen)
-    eye(frame(2.0), seen)
-    eye(frame(2.1), None)
+    stage = ObjectStage(things)
+    seen = DetectedHands(frame(1.0, depth=None), {}, {}, [HAND, HAND])
+    stage(frame(1.1), seen)
+    stage(frame(2.0), seen)
+    stage(frame(2.1), None)
     assert things.covers == [2, 0, 0]
-    hand = HandStage(Finder([100.0, 100.0]), names())
-    assert len(hand(frame(0.0, depth=None)).seen) == 1  # neither measured nor named
-
-
-def test_options_are_words_or_json():
-    told = read_options(["tags=tags.toml", 'instances={"box": 2}', "seed=3"])
-    assert told == {"tags": "tags.toml", "instances": {"box": 2}, "seed": "3"}
-    for wrong in ("tags", "=x", "instances={"):
-        with pytest.raises(IgripError):
-            read_options([wrong])
+    hand = HandStage(Detector([100.0, 100.0]), new_ids())
+    assert len(hand(frame(0.0, depth=None)).all_landmarks) == 1  # neither measured nor named

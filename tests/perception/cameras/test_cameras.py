@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from igrip.errors import UnknownNameError
-from igrip.perception.cameras import CAMERAS, CameraError, open_camera, read_options, split_names
+from igrip.errors import MissingExtraError, UnknownNameError
+from igrip.perception.cameras import CAMERAS, CameraError, open_camera, split_names
 
 
 def test_members():
@@ -27,25 +27,6 @@ def test_several_names(name, parts):
     assert split_names(name) == parts
 
 
-def test_options():
-    defaults = {"size": (1, 2), "fps": 30.0, "loop": False, "file": ""}
-    assert read_options("a?size=640x400&fps=15&loop=1&file=b%20c+d=e", defaults) == (
-        "a", {"size": (640, 400), "fps": 15.0, "loop": True, "file": "b c+d=e"},
-    )  # fmt: skip
-    assert read_options("", defaults) == ("", defaults)
-    for wrong in (
-        "?speed=1",
-        "?fps=fast",
-        "?fps=nan",
-        "?fps=-1",
-        "?size=3",
-        "?size=0x2",
-        "?loop=2",
-    ):
-        with pytest.raises(CameraError):
-            read_options(wrong, defaults)
-
-
 def test_an_unknown_camera():
     with pytest.raises(UnknownNameError, match="no camera is named 'kinect'"):
         open_camera("kinect")
@@ -56,7 +37,7 @@ def test_an_unknown_camera():
     [
         ("oak", "depthai", r"pip install 'igrip\[oak\]'"),
         ("realsense", "pyrealsense2", r"pip install 'igrip\[realsense\]'"),
-        ("webcam", "cv2", "pip install opencv-python-headless"),
+        ("webcam", "cv2", r"pip install 'igrip\[hands\]'"),
     ],
 )
 def test_a_missing_package(monkeypatch, name, package, advice):
@@ -69,7 +50,7 @@ def test_a_missing_package(monkeypatch, name, package, advice):
 
     CAMERAS.names()
     monkeypatch.setattr(builtins, "__import__", absent)
-    with pytest.raises(CameraError, match=advice):
+    with pytest.raises(MissingExtraError, match=advice):
         open_camera(name)
 
 

@@ -1,6 +1,6 @@
-"""Measure the hand finder on real pictures: what is found, what is not, how fast.
+"""Measure the hand detector on real pictures: what is detected, what is not, how fast.
 
-``python docs/measure_hands.py FOLDER`` with the folder of ``hand_720p.mp4``,
+``python -m benchmarks.measure_hands FOLDER`` with the folder of ``hand_720p.mp4``,
 ``experiment_side_a.png``, ``experiment_side_b.png`` and ``ycbv_000629_rgb.png``. Prints the tables
 of docs/hands.md; times are of one core.
 """
@@ -18,9 +18,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.lab.rendering.sprites import draw_hand, film_sprites, place
-from igrip.perception.hand_detection.image_tiles import PALM, covered, palm_length
-from igrip.perception.hands import HandDetection
+from benchmarks.film_sprites import film_sprites
+from igrip.lab.rendering.drawn_hand import draw_hand, paste_hand
+from igrip.perception.hands import PALM, HandDetection, palm_length
+from igrip.perception.hands._image_tiles import paint_over
 from igrip.perception.hands.mediapipe import MediaPipeConfig, MediaPipeHands
 from igrip.rgbd import Intrinsics, RgbdFrame
 
@@ -52,19 +53,19 @@ def run(
     pictures: Iterable[Picture], config: MediaPipeConfig
 ) -> tuple[list[list[HandDetection]], NDArray[np.float64]]:
     """Return what is found in each picture, and how long each took [ms]."""
-    finder = MediaPipeHands(config)
+    detector = MediaPipeHands(config)
     found, took = [], []
     for k, picture in enumerate(pictures):
         height, width = picture.shape[:2]
         camera = Intrinsics(width, height, width, width, width / 2, height / 2)
         begin = time.process_time()  # on a busy machine the clock on the wall tells less
-        found.append(finder.find(RgbdFrame(k / RATE, picture, None, camera)))
+        found.append(detector.detect(RgbdFrame(k / RATE, picture, None, camera)))
         took.append(1e3 * (time.process_time() - begin))
-    finder.close()
+    detector.close()
     return found, np.array(took)
 
 
-def tell(name: str, found: list[list[HandDetection]], took: NDArray[np.float64]) -> None:
+def print_counts(name: str, found: list[list[HandDetection]], took: NDArray[np.float64]) -> None:
     """Print how many frames had how many hands, and the times."""
     counts = np.bincount([len(hands) for hands in found])
     p50, p90, p99 = np.percentile(took, [50, 90, 99])
@@ -84,7 +85,7 @@ def of_the_film(path: Path) -> None:
     """Look at one hand, two hands, and a hand that comes and goes."""
     frames = list(video(path))
     found, took = run(frames, MediaPipeConfig())
-    tell("film, one hand, up to two looked for", found, took)
+    print_counts("film, one hand, up to two looked for", found, took)
     labels = [hands[0].label for hands in found if hands]
     flips = sum(a != b for a, b in itertools.pairwise(labels))
     print(f"  found in {np.mean([len(h) > 0 for h in found]):.2%}; labels flip {flips} times")
@@ -96,11 +97,13 @@ def of_the_film(path: Path) -> None:
     ])  # fmt: skip
     jitter = 1.4826 * np.median(np.abs(off)) / np.sqrt(6)
     print(f"  the palm centre jitters by {jitter:.4f} lengths of the palm, frame by frame")
-    tell("film, up to one looked for", *run(frames, MediaPipeConfig(hands=1)))
-    tell(
+    print_counts("film, up to one looked for", *run(frames, MediaPipeConfig(max_hands=1)))
+    print_counts(
         "film and its mirror image, two hands", *run(map(beside_itself, frames), MediaPipeConfig())
     )
-    tell("film, searched every frame for a second", *run(frames, MediaPipeConfig(every=1)))
+    print_counts(
+        "film, searched every frame for a second", *run(frames, MediaPipeConfig(search_every=1))
+    )
     dark = np.zeros_like(frames[0])
     found, _ = run((dark if k % 60 < 15 else p for k, p in enumerate(frames)), MediaPipeConfig())
     back = [
@@ -126,8 +129,10 @@ def of_the_stills(folder: Path) -> None:
         for variant in range(16):
             scale = rng.uniform(0.8, 2.0) if variant else 1.0
             light = rng.uniform(0.7, 1.2) if variant else 1.0
-            seen = cv2.convertScaleAbs(cv2.resize(picture, None, fx=scale, fy=scale), alpha=light)
-            found, _ = run([seen] * 90, MediaPipeConfig())
+            variant_picture = cv2.convertScaleAbs(
+                cv2.resize(picture, None, fx=scale, fy=scale), alpha=light
+            )
+            found, _ = run([variant_picture] * 90, MediaPipeConfig())
             all_there = [
                 [there(hands, scale * np.array(palm), 40 * scale) for palm in palms]
                 for hands in found
@@ -147,11 +152,11 @@ def of_nothing(folder: Path) -> None:
     for name in ("ycbv_000629_rgb.png", *STILLS):
         picture = still(folder / name)
         if name in STILLS:
-            found, _ = run([picture] * 60, MediaPipeConfig(every=1))
-            most = max(found, key=len)
-            picture = covered(picture, [hand.landmarks for hand in most])
-        found, took = run([picture] * 60, MediaPipeConfig(every=1))
-        tell(f"{name}, hands covered", found, took)
+            found, _ = run([picture] * 60, MediaPipeConfig(search_every=1))
+            hands = max(found, key=len)
+            picture = paint_over(picture, [hand.landmarks for hand in hands])
+        found, took = run([picture] * 60, MediaPipeConfig(search_every=1))
+        print_counts(f"{name}, hands covered", found, took)
 
 
 def of_the_sprites(folder: Path) -> None:
@@ -160,29 +165,31 @@ def of_the_sprites(folder: Path) -> None:
     Prints for a plain desk and a cluttered one, near and far, as they are and 1.4 times as bright,
     how many of 24 are found, and how far off the palm centre is.
     """
-    finder = MediaPipeHands(MediaPipeConfig(hands=1, views=0))
-    real = list(film_sprites(folder / "hand_720p.mp4", finder, every=60))
+    detector = MediaPipeHands(MediaPipeConfig(max_hands=1, tiles=0))
+    real = list(film_sprites(folder / "hand_720p.mp4", detector, every=60))
     drawn = [draw_hand(seed=k) for k in range(3)]
     camera = Intrinsics(640, 480, 450.0, 450.0, 320.0, 240.0)
     rng, clock = np.random.default_rng(0), itertools.count(1000, -1)  # back: nothing is known
     plain = np.full((480, 640, 3), (190.0, 180.0, 165.0)) + rng.normal(0.0, 4.0, (480, 640, 3))
     desks = {"plain": plain.astype(np.uint8), "cluttered": still(folder / "ycbv_000629_rgb.png")}
     for desk, (low, high), light in itertools.product(desks, ((0.3, 0.5), (0.5, 0.9)), (1.0, 1.4)):
-        words = []
+        results = []
         for name, sprites in (("film", real), ("drawn", drawn)):
             off = []
             for k in range(24):
                 at = tuple(rng.uniform([150, 150], [490, 330]))
                 depth, turn = rng.uniform(low, high), rng.uniform(-3.1, 3.1)
                 empty = RgbdFrame(float(next(clock)), desks[desk], None, camera)
-                frame, truth = place(empty, sprites[k % len(sprites)], at, depth, turn, light)
-                for hand in finder.find(frame):
-                    gap = hand.landmarks[list(PALM)].mean(0) - truth.landmarks[list(PALM)].mean(0)
-                    off.append(np.linalg.norm(gap) / palm_length(truth.landmarks))
+                frame, truth = paste_hand(empty, sprites[k % len(sprites)], at, depth, turn, light)
+                for hand in detector.detect(frame):
+                    gap = hand.landmarks[list(PALM)].mean(0) - truth[list(PALM)].mean(0)
+                    off.append(np.linalg.norm(gap) / palm_length(truth))
             middle = np.median(off) if off else np.nan
-            words.append(f"{name} {sum(x < 0.3 for x in off)} of 24, off by {middle:.3f}")
-        print(f"{desk:10} {low} to {high} m, light {light}: {'; '.join(words)} lengths of the palm")
-    finder.close()
+            results.append(f"{name} {sum(x < 0.3 for x in off)} of 24, off by {middle:.3f}")
+        print(
+            f"{desk:10} {low} to {high} m, light {light}: {'; '.join(results)} lengths of the palm"
+        )
+    detector.close()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""From a hand in a picture to its palm in the world, where depth was measured on it.
+"""From a detected hand to its palm in the world, where depth was measured on it.
 
 The palm centre is the mean of landmarks 0, 5 and 17 (wrist, roots of the index and little finger),
 as in the paper. A depth camera sees skin: the centre lies on the side of the hand that the camera
@@ -11,42 +11,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Hand, Vector
-from igrip.perception.hands import HandDetection
-from igrip.rgbd import RgbdFrame
+from igrip.perception.hands import PALM, HandDetection
+from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
-Array = NDArray[np.float64]
-
-PALM = (0, 5, 17)
-NEAREST = 0.25  # this quantile of the depths is on the hand: background is no more than 3/4; guess
+NEAR_QUANTILE = 0.25  # of the depths is on the hand: background is no more than 3/4; guess
 SLOPE = 0.2  # prior of the relative change of depth over the length of a palm; 45° at 0.6 m: 0.15
 ROUNDS = 3
-MAX_PIXELS = 2500  # more of the palm tell no more
+MAX_PIXELS = 2500  # of the palm that are used
 
 
 class PalmConfig(Settings):
-    """When depth on a palm is enough, and what it is worth."""
+    """When depth on a palm is enough, and how exact it is.
 
-    pixels: int = quantity(25, "1", "least number of pixels with depth on the palm", "guess", ge=4)
-    share: float = quantity(
-        0.3, "1", "least share of the palm's pixels with depth on the hand", "guess", gt=0, le=1
+    Attributes
+    ----------
+    landmarks : bool
+        Whether all 21 landmarks are measured, where each has depth.
+    """
+
+    min_pixels: int = quantity(25, "1", "pixels with depth on the palm", "guess", ge=4)
+    min_share: float = quantity(
+        0.3, "1", "of the palm's pixels with depth on the hand", "guess", gt=0, le=1
     )
     thickness: float = quantity(
         0.03, "m", "depths further from the palm's plane are not the palm's", "guess", gt=0
     )
-    smallest: float = quantity(
-        0.04, "m", "least length of a palm, wrist to knuckles or across", "guess", gt=0
-    )
-    largest: float = quantity(0.16, "m", "and its greatest", "guess", gt=0)
-    grain: float = quantity(
-        6.0, "pixel", "depths nearer than this to each other err alike", "guess", gt=0
+    min_length: float = quantity(0.04, "m", "of a palm, wrist to knuckles or across", "guess", gt=0)
+    max_length: float = quantity(0.16, "m", "of a palm", "guess", gt=0)
+    correlation: float = quantity(
+        6.0, "pixel", "within which errors of depth are alike", "guess", gt=0
     )
     jitter: float = quantity(
         0.03, "1", "standard deviation of the palm centre in the picture, in lengths of the palm",
         "docs/hands.md", ge=0,
     )  # fmt: skip
-    least: float = quantity(
-        0.001, "m", "no depth is surer: cameras count in steps of about so much", "guess", gt=0
+    min_std: float = quantity(
+        0.001, "m", "of a depth: cameras count in steps of about so much", "guess", gt=0
     )
     landmarks: bool = False
 
@@ -69,42 +70,42 @@ def measure_palm(
     frame : RgbdFrame
         With depth aligned to it.
     config : PalmConfig
-        When it is enough. With ``landmarks`` all 21 are measured where each has depth.
+        When it is enough.
 
     Returns
     -------
     Hand or None
         World frame, metres; ``std`` per world axis, from the spread of the depths along the ray and
-        the finder's jitter across it. None: no depth, or too little of it.
+        the detector's jitter across it. None: no depth, or too little of it.
     """
     if frame.depth is None:
         return None
     corners = hand.landmarks[list(PALM)]
     pixels, depths, whole = _inside(corners, frame.depth)
-    if len(depths) < config.pixels:
+    if len(depths) < config.min_pixels:
         return None
     middle, unit = corners.mean(axis=0), max(_longest_side(corners), 1.0)
     plane, kept, spread = _fit((pixels - middle) / unit, depths, config.thickness)
-    if kept < config.pixels or kept < config.share * whole:
+    if kept < config.min_pixels or kept < config.min_share * whole:
         return None
     inverse = np.column_stack([(corners - middle) / unit, np.ones(3)]) @ plane
     if not (inverse > 0.0).all():
         return None
     points = frame.intrinsics.points(corners, 1.0 / inverse)
-    if not config.smallest <= _longest_side(points) <= config.largest:
+    if not config.min_length <= _longest_side(points) <= config.max_length:
         return None  # what the triangle covers is no palm
     centre = points.mean(axis=0)
     ray = centre / centre[2]
-    along = max(spread / np.sqrt(max(kept / config.grain**2, 1.0)), config.least)
+    along = max(spread / np.sqrt(max(kept / config.correlation**2, 1.0)), config.min_std)
     across = config.jitter * unit * centre[2] / frame.intrinsics.fx
     covariance = along**2 * np.outer(ray, ray) + across**2 * np.diag([1.0, 1.0, 0.0])
     rotation = frame.world_from_camera[:3, :3]
     std = np.sqrt(np.diag(rotation @ covariance @ rotation.T))
-    every = _landmarks(hand, frame, centre[2], unit, config) if config.landmarks else None
+    landmarks = _landmarks(hand, frame, centre[2], unit, config) if config.landmarks else None
     return Hand(
         position=_world(frame, centre),
         t=frame.t,
-        landmarks=every,
+        landmarks=landmarks,
         std=(float(std[0]), float(std[1]), float(std[2])),
         score=hand.score,
         source=frame.camera,
@@ -134,10 +135,10 @@ def _inside(corners: Array, depth: NDArray[np.float32]) -> tuple[Array, Array, i
     turns = np.stack([_turn(corners[k], corners[(k + 1) % 3], pixels) for k in range(3)])
     pixels = pixels[(turns >= 0.0).all(axis=0) | (turns <= 0.0).all(axis=0)]
     u, v = pixels.T
-    seen = pixels[(u >= 0) & (u < width) & (v >= 0) & (v < height)]
-    depths = depth[seen[:, 1], seen[:, 0]].astype(np.float64)
+    visible = pixels[(u >= 0) & (u < width) & (v >= 0) & (v < height)]
+    depths = depth[visible[:, 1], visible[:, 0]].astype(np.float64)
     valid = np.isfinite(depths) & (depths > 0.0)
-    return seen[valid].astype(np.float64), depths[valid], len(pixels)
+    return visible[valid].astype(np.float64), depths[valid], len(pixels)
 
 
 def _turn(start: Array, end: Array, points: Array) -> Array:
@@ -161,13 +162,13 @@ def _fit(at: Array, depths: Array, thickness: float) -> tuple[Array, int, float]
         Their standard deviation about it [m].
     """
     terms = np.column_stack([at, np.ones(len(at))])
-    near = float(np.quantile(depths, NEAREST))
+    near = float(np.quantile(depths, NEAR_QUANTILE))
     plane = np.array([0.0, 0.0, 1.0 / near])
-    slack = 2.0 * thickness  # the first plane faces the camera: what is tilted may be further off
+    gate = 2.0 * thickness  # the first plane faces the camera: a tilted palm is further off
     spread, kept = 0.0, 0
     for _ in range(ROUNDS):
         off = depths - 1.0 / np.maximum(terms @ plane, 1e-3)
-        inliers = np.abs(off) < slack
+        inliers = np.abs(off) < gate
         kept = int(inliers.sum())
         if kept < 3:
             return plane, 0, 0.0
@@ -175,7 +176,7 @@ def _fit(at: Array, depths: Array, thickness: float) -> tuple[Array, int, float]
         prior = (max(spread, 1e-3) / SLOPE) ** 2 / near**2 * np.array([1.0, 1.0, 0.0])
         some = terms[inliers]
         plane = np.linalg.solve(some.T @ some + np.diag(prior), some.T @ (1.0 / depths[inliers]))
-        slack = thickness
+        gate = thickness
     return plane, kept, spread
 
 
@@ -193,10 +194,10 @@ def _landmarks(
         patch = frame.depth[
             max(v - radius, 0) : v + radius + 1, max(u - radius, 0) : u + radius + 1
         ]
-        near = patch[(patch > 0.0) & (np.abs(patch - palm) < config.largest)]
+        near = patch[(patch > 0.0) & (np.abs(patch - palm) < config.max_length)]
         if len(near) == 0:
             return None
-        near = near[near < np.quantile(near, NEAREST) + config.thickness]
+        near = near[near < np.quantile(near, NEAR_QUANTILE) + config.thickness]
         depths[k] = np.median(near)
     points = frame.intrinsics.points(hand.landmarks, depths)
     return tuple(_world(frame, point) for point in points)

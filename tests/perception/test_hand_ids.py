@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from igrip.perception.hand_detection.hand_ids import HandIdTracker, IdentityConfig, Sighting
+from igrip.perception.hand_ids import HandIdConfig, HandIdTracker, PalmMeasurement
 
 RATE = 30.0
 seeds = st.integers(0, 2**32 - 1)
@@ -36,7 +36,7 @@ def follow(rng, hands, flips=0.3, drops=0.2, noise=0.004, labels=("right", "left
             label = labels[h]
             if k >= 6 and rng.random() < flips:
                 label = labels[1 - h]
-            seen.append(Sighting(hands[h, k] + rng.normal(0.0, noise, 3), label, 0.9))
+            seen.append(PalmMeasurement(hands[h, k] + rng.normal(0.0, noise, 3), label, 0.9))
         said = identities.update(k / RATE, seen)
         indices = [i for i in said.values() if i is not None]
         assert len(indices) == len(set(indices))  # no hand has two ids
@@ -77,7 +77,11 @@ def test_a_repeated_find_of_a_hand_is_not_a_second_hand():
     identities = HandIdTracker()
     for k in range(30):
         at = np.array([0.01 * k, 0.0, 0.6])
-        seen = [Sighting(at, "right"), Sighting(at + 0.005, "left")] if k > 4 else [Sighting(at)]
+        seen = (
+            [PalmMeasurement(at, "right"), PalmMeasurement(at + 0.005, "left")]
+            if k > 4
+            else [PalmMeasurement(at)]
+        )
         said = identities.update(k / RATE, seen)
     assert said == {"right": 0}
 
@@ -86,7 +90,7 @@ def test_what_is_seen_once_or_twice_is_no_hand():
     identities = HandIdTracker()
     at = np.array([0.0, 0.0, 0.6])
     for k in range(60):
-        seen = [Sighting(at, "left")] if k % 3 else []
+        seen = [PalmMeasurement(at, "left")] if k % 3 else []
         assert identities.update(k / RATE, seen) == {}
 
 
@@ -94,33 +98,33 @@ def test_a_hand_that_is_not_seen_is_waited_for_and_then_forgotten():
     identities = HandIdTracker()
     at = np.array([0.0, 0.0, 0.6])
     for k in range(5):
-        identities.update(k / RATE, [Sighting(at, "left")])
+        identities.update(k / RATE, [PalmMeasurement(at, "left")])
     assert identities.update(0.5, []) == {"left": None}
-    assert identities.update(0.6, [Sighting(at + 0.05, "right")]) == {"left": 0}
+    assert identities.update(0.6, [PalmMeasurement(at + 0.05, "right")]) == {"left": 0}
     assert identities.update(1.7, []) == {}
 
 
 def test_a_ghost_across_the_room_does_not_take_the_id():
     identities = HandIdTracker()
     for k in range(5):
-        identities.update(k / RATE, [Sighting(np.array([0.0, 0.0, 0.6]), "left")])
+        identities.update(k / RATE, [PalmMeasurement(np.array([0.0, 0.0, 0.6]), "left")])
     for k in range(5, 20):
-        said = identities.update(k / RATE, [Sighting(np.array([0.9, 0.0, 1.5]), "left")])
+        said = identities.update(k / RATE, [PalmMeasurement(np.array([0.9, 0.0, 1.5]), "left")])
         assert said["left"] is None
 
 
 def test_time_that_goes_back_forgets_everything():
     identities = HandIdTracker()
     for k in range(5):
-        identities.update(10.0 + k / RATE, [Sighting(np.zeros(3), "left")])
-    assert identities.update(0.0, [Sighting(np.zeros(3), "right")]) == {}
+        identities.update(10.0 + k / RATE, [PalmMeasurement(np.zeros(3), "left")])
+    assert identities.update(0.0, [PalmMeasurement(np.zeros(3), "right")]) == {}
 
 
 @pytest.mark.parametrize("most", [1, 2, 3, 4])
 def test_there_are_never_more_ids_than_hands_may_be(most):
-    identities = HandIdTracker(IdentityConfig(hands=most))
+    identities = HandIdTracker(HandIdConfig(max_hands=most))
     for k in range(6):
-        seen = [Sighting(np.array([0.3 * i, 0.0, 0.6]), "left") for i in range(5)]
+        seen = [PalmMeasurement(np.array([0.3 * i, 0.0, 0.6]), "left") for i in range(5)]
         said = identities.update(k / RATE, seen)
     assert len(said) == most
     assert len(set(said.values())) == most
@@ -131,5 +135,5 @@ def test_a_fast_hand_is_followed(speed):
     identities = HandIdTracker()
     for k in range(30):
         at = np.array([max(k - 4, 0) * speed / RATE, 0.0, 0.6])
-        said = identities.update(k / RATE, [Sighting(at, "right")])
+        said = identities.update(k / RATE, [PalmMeasurement(at, "right")])
     assert said == {"right": 0}

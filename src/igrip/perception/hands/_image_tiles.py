@@ -1,8 +1,8 @@
-"""Square views of a picture, upright or turned, and hands covered up in it.
+"""Square tiles of a picture, upright or turned, with known hands painted over.
 
 The palm network sees any picture at 192 × 192 pixels: on a wide picture a hand can be too small for
-it, and of two clasped hands it may take the second for the first seen twice. A square part of the
-picture, and the picture without the hand that is known, let it see what it missed.
+it, and of two clasped hands it may take the second for a repeat of the first. A square part of the
+picture, without the hand that is known, lets it detect what it missed.
 """
 
 from __future__ import annotations
@@ -13,24 +13,24 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.perception.hands import HandDetection
-from igrip.rgbd import Intrinsics
+from igrip.perception.hands import PALM, HandDetection, palm_length
+from igrip.perception.opencv import load_opencv
+from igrip.rgbd import Array, Intrinsics
 
-Array = NDArray[np.float64]
-
-SIDE = 512  # pixels of a view at most: the landmark network sees a hand at 224
+MAX_SIDE = 512  # pixels of a tile: the landmark network sees a hand at 224
 TURNS = (60.0, 150.0, 240.0, 330.0, 0.0)  # it is not alike in all directions; docs/hands.md
-AROUND = 5.5  # side of a view round one hand, in lengths of its palm; docs/hands.md
-PALM = (0, 5, 17)
-FOREARM = 1.0  # lengths of a palm that are covered beyond the wrist; docs/hands.md
-STUMP = 0.8  # lengths of its palm from the wrist of a covered hand, at least; docs/hands.md
-DOWN = 0.7  # cosine of half the angle of the wedge in which the arm lies; docs/hands.md
-ARM = 4.0  # lengths of a palm that an arm goes on for; guess
-SAME = 0.5  # lengths of a palm between two finds of one hand, at most; guess
-GROWN = 0.15  # lengths of a palm that flesh reaches beyond the landmarks; docs/hands.md
+HAND_SIDE = 5.5  # of a tile round one hand, in lengths of its palm; docs/hands.md
+FOREARM = 1.0  # is covered so far beyond the wrist, in lengths of a palm; docs/hands.md
+STUMP = (
+    0.8  # a detection nearer to a covered wrist is its stump, in lengths of its palm; docs/hands.md
+)
+ARM_COSINE = 0.7  # of half the angle of the wedge in which the arm lies; docs/hands.md
+ARM_LENGTH = 4.0  # in lengths of a palm; guess
+SAME = 0.5  # detections nearer than this are of one hand, in lengths of a palm; guess
+FLESH = 0.15  # reaches so far beyond the landmarks, in lengths of a palm; docs/hands.md
 
 
-class View(NamedTuple):
+class Tile(NamedTuple):
     """A square part of a picture.
 
     Attributes
@@ -56,84 +56,74 @@ class View(NamedTuple):
     def render(
         self, picture: NDArray[np.uint8], hidden: list[HandDetection]
     ) -> tuple[NDArray[np.uint8], Array]:
-        """Return the view and the (2, 3) matrix that takes its pixels to the picture's.
+        """Return the tile's pixels and the (2, 3) matrix that maps them to the picture's.
 
         Parameters
         ----------
         picture : (h, w, 3) uint8
             The whole picture.
         hidden : list of HandDetection
-            Hands of the picture that are covered up in the view.
+            Hands of the picture that are painted over in the tile.
         """
-        import cv2
-
-        size = int(min(self.side, SIDE))
+        cv2 = load_opencv("detecting hands")
+        size = int(min(self.side, MAX_SIDE))
         half = 0.5 * (size - 1)
         c, s = np.cos(np.radians(self.turn)), np.sin(np.radians(self.turn))
         linear = self.side / size * np.array([[c, -s], [s, c]])
         offset = np.array([self.x, self.y]) - linear @ [half, half]
         back = np.column_stack([linear, offset])
-        seen: Any = cv2.warpAffine(
+        pixels: Any = cv2.warpAffine(
             picture, back, (size, size),
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
         )  # fmt: skip
         inside = [(hand.landmarks - offset) @ np.linalg.inv(linear).T for hand in hidden]
-        return covered(seen, inside), back
+        return paint_over(pixels, inside), back
 
 
-def tiles(intrinsics: Intrinsics) -> list[View]:
-    """Return upright square views that cover a picture, half overlapping."""
+def upright_tiles(intrinsics: Intrinsics) -> list[Tile]:
+    """Return upright square tiles that cover a picture, half overlapping."""
     width, height = intrinsics.width, intrinsics.height
     side = float(min(width, height))
     steps = round(2 * (max(width, height) / side - 1)) + 1
     centres = np.linspace(0.5 * side, max(width, height) - 0.5 * side, steps).tolist()
     if width >= height:
-        return [View(at, 0.5 * side, side) for at in centres]
-    return [View(0.5 * side, at, side) for at in centres]
+        return [Tile(at, 0.5 * side, side) for at in centres]
+    return [Tile(0.5 * side, at, side) for at in centres]
 
 
-def search_views(intrinsics: Intrinsics, hands: list[HandDetection]) -> list[View]:
-    """Return where to look for a hand that is missed: beside the known ones, and everywhere."""
-    beside = [around(hand.landmarks, turn) for turn in TURNS for hand in hands]
-    mixed = itertools.zip_longest(beside, tiles(intrinsics))
-    return [view for pair in mixed for view in pair if view is not None]
+def search_tiles(intrinsics: Intrinsics, hands: list[HandDetection]) -> list[Tile]:
+    """Return where to look for a missed hand: beside the known ones, and everywhere."""
+    beside = [tile_around(hand.landmarks, turn) for turn in TURNS for hand in hands]
+    mixed = itertools.zip_longest(beside, upright_tiles(intrinsics))
+    return [tile for pair in mixed for tile in pair if tile is not None]
 
 
-def palm_length(landmarks: Array) -> float:
-    """Return how long the palm of (21, 2) landmarks appears: wrist to knuckles [pixels]."""
-    wrist, index, little = landmarks[list(PALM)]
-    # a palm seen edge on is as broad as ever in one direction at least
-    return float(
-        max(np.linalg.norm(0.5 * (index + little) - wrist), np.linalg.norm(index - little))
-    )
-
-
-def around(landmarks: Array, turn: float) -> View:
-    """Return a view of one hand, with room to move."""
+def tile_around(landmarks: Array, turn: float) -> Tile:
+    """Return a tile round one hand, with room to move."""
     x, y = landmarks[list(PALM)].mean(axis=0)
-    return View(float(x), float(y), AROUND * max(palm_length(landmarks), 16.0), turn)
+    return Tile(float(x), float(y), HAND_SIDE * max(palm_length(landmarks), 16.0), turn)
 
 
 def same_hand(one: Array, other: Array) -> bool:
-    """Whether two finds, (21, 2) landmarks, are of one hand: wrist and palm at one place."""
+    """Whether two detections, (21, 2) landmarks, are of one hand: wrist and palm agree."""
     reach = SAME * max(palm_length(one), palm_length(other))
     palms = np.linalg.norm((one - other)[list(PALM)].mean(axis=0))
     return bool(palms < reach and np.linalg.norm(one[0] - other[0]) < reach)
 
 
-def is_stump(find: Array, known: Array) -> bool:
-    """Whether a find, (21, 2), is what is left of a covered hand: an arm that ends in a blob.
+def is_stump(landmarks: Array, covered: Array) -> bool:
+    """Whether a detection, (21, 2), is what is left of a covered hand: an arm with a blunt end.
 
     It lies where the covered wrist is, or down the arm; the other of two clasped hands comes from
     elsewhere.
     """
-    from_wrist = find[list(PALM)].mean(axis=0) - known[0]
+    from_wrist = landmarks[list(PALM)].mean(axis=0) - covered[0]
     away = float(np.linalg.norm(from_wrist))
-    if away < STUMP * palm_length(find):
+    if away < STUMP * palm_length(landmarks):
         return True
-    forearm = known[0] - known[list(PALM)].mean(axis=0)
+    forearm = covered[0] - covered[list(PALM)].mean(axis=0)
     along = from_wrist @ forearm / max(away * float(np.linalg.norm(forearm)), 1e-9)
-    return bool(along > DOWN and away < ARM * palm_length(known))
+    return bool(along > ARM_COSINE and away < ARM_LENGTH * palm_length(covered))
 
 
 def distinct(hands: list[HandDetection]) -> list[HandDetection]:
@@ -145,22 +135,21 @@ def distinct(hands: list[HandDetection]) -> list[HandDetection]:
     return kept
 
 
-def covered(picture: NDArray[np.uint8], hands: list[Array]) -> NDArray[np.uint8]:
-    """Return a picture with hands, (21, 2), painted over in the commonest colour round them."""
-    import cv2
-
+def paint_over(picture: NDArray[np.uint8], hands: list[Array]) -> NDArray[np.uint8]:
+    """Return a picture with hands, (21, 2), painted over in the median colour round them."""
+    cv2 = load_opencv("painting hands over")
     copy = picture.copy()
     for landmarks in hands:
-        grown = max(2, int(GROWN * palm_length(landmarks)))
+        width = max(2, int(FLESH * palm_length(landmarks)))
         mask = np.zeros(picture.shape[:2], np.uint8)
         forearm = landmarks[0] - landmarks[list(PALM)].mean(axis=0)
         forearm *= FOREARM * palm_length(landmarks) / max(float(np.linalg.norm(forearm)), 1.0)
         outline = np.vstack([landmarks, landmarks[0] + forearm])
         hull = cv2.convexHull(np.round(outline).astype(np.int32))
         cv2.fillConvexPoly(mask, hull, 1)
-        cv2.polylines(mask, [hull], True, 1, 2 * grown)
+        cv2.polylines(mask, [hull], True, 1, 2 * width)
         ring = mask.copy()
-        cv2.polylines(ring, [hull], True, 1, 4 * grown)
+        cv2.polylines(ring, [hull], True, 1, 4 * width)
         beside = picture[(ring == 1) & (mask == 0)]
         if len(beside):
             copy[mask == 1] = np.median(beside, axis=0)

@@ -1,6 +1,6 @@
 """From pixels to intentions on rendered reaches, beside the same reaches with true positions.
 
-Example: python docs/measure_live.py hand.mp4 --reaches 40
+Example: python -m benchmarks.measure_live hand.mp4 --reaches 40
 """
 
 from __future__ import annotations
@@ -19,40 +19,41 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import igrip
+from benchmarks.film_sprites import film_sprites
 from igrip.entities import Hand, ObjectPose
+from igrip.lab.rendering.drawn_hand import Sprite, paste_hand
 from igrip.lab.rendering.filmed_reach import MIDDLE, FilmedReach, film_reach
 from igrip.lab.rendering.layout import PlacedMesh
-from igrip.lab.rendering.sprites import Sprite, film_sprites, place
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.observation import Observation
 from igrip.perception.hands.mediapipe import MediaPipeHands
-from igrip.perception.pipeline.detectors import hand_eye, object_eye
-from igrip.perception.pipeline.merge import HandsFound, ObjectsFound
+from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects
+from igrip.perception.pipeline.stages import hand_stages, object_stages
 from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame
 
 Array = NDArray[np.float64]
-NOISE = 0.004  # m, each axis, of the true positions that are told instead
+NOISE = 0.004  # m, each axis, of the true positions
 EVERY = 3  # frames from one look at objects to the next
 
 
 def cut_hands(film: Path) -> list[Sprite]:
     """Return some hands of a film."""
-    finder = MediaPipeHands()
+    detector = MediaPipeHands()
     try:
-        return list(film_sprites(film, finder, every=60))
+        return list(film_sprites(film, detector, every=60))
     finally:
-        finder.close()
+        detector.close()
 
 
 def put_hand(sprite: Sprite, frame: RgbdFrame, side: str, palm: Array) -> RgbdFrame:
     """Put a hand into a frame, fingers towards the camera."""
     x, y = frame.intrinsics.pixels(palm[None])[0].tolist()
-    return place(frame, sprite, (x, y), float(palm[2]), np.pi)[0]
+    return paste_hand(frame, sprite, (x, y), float(palm[2]), np.pi)[0]
 
 
 def true_observations(film: FilmedReach, seed: int) -> Iterator[Observation]:
-    """Tell a reach by true positions and noise, at the times at which a live chain would."""
+    """Yield a reach by true positions and noise, when a live pipeline would."""
     random = np.random.default_rng(seed)
     poses = {}
     for id, placed in film.scene.objects.items():
@@ -61,13 +62,13 @@ def true_observations(film: FilmedReach, seed: int) -> Iterator[Observation]:
         poses[id] = ObjectPose(position=(a, b, c), orientation=(x, y, z, w), model=id)
     palms = iter(film.done.palms[film.task.hand] - MIDDLE)
 
-    def hands(frame: RgbdFrame) -> HandsFound:
+    def hands(frame: RgbdFrame) -> DetectedHands:
         x, y, z = (next(palms) + random.normal(0.0, NOISE, 3)).tolist()
-        return HandsFound(frame, {film.task.hand: Hand(position=(x, y, z))}, {})
+        return DetectedHands(frame, {film.task.hand: Hand(position=(x, y, z))}, {})
 
     nothing = np.zeros((1, 1, 3), np.uint8)
     frames = [RgbdFrame(t, nothing, None, film.scene.intrinsics) for t in film.done.times.tolist()]
-    return observe(frames, hands, lambda frame, _: ObjectsFound(frame, poses), EVERY)
+    return observe(frames, hands, lambda frame, _: DetectedObjects(frame, poses), EVERY)
 
 
 def judge(catalog: Catalog, film: FilmedReach, messages: Iterator[Observation]) -> dict[str, Any]:
@@ -82,17 +83,17 @@ def judge(catalog: Catalog, film: FilmedReach, messages: Iterator[Observation]) 
     off, offs = [], {}
     world = film.done.palms[film.task.hand] - MIDDLE
     for message in messages:
-        for told in message.hands.values():
-            if told is not None:
-                measured = message.t if told.t is None else told.t
+        for hand in message.hands.values():
+            if hand is not None:
+                measured = message.t if hand.t is None else hand.t
                 k = int(np.argmin(np.abs(film.done.times - measured)))
-                off.append(float(np.linalg.norm(np.array(told.position) - world[k])))
+                off.append(float(np.linalg.norm(np.array(hand.position) - world[k])))
         for id, pose in message.objects.items():
             if pose is not None:
                 offs[id] = _apart(film.scene.objects[id], pose)
-        for said in estimator.update(message):
+        for intention in estimator.update(message):
             if onset <= message.t <= end:
-                named.append(said.target)
+                named.append(intention.target)
     runs: list[tuple[int, str | None]] = []
     for name in named:
         runs.append((runs[-1][0] + 1 if runs and runs[-1][1] == name else 1, name))
@@ -108,8 +109,8 @@ def _apart(placed: PlacedMesh, pose: ObjectPose) -> float:
     """Return how far the middle of an object is off [m]: its origin may lie outside it."""
     middle = placed.model.sphere[:3]
     true = placed.pose[:3, :3] @ middle + placed.pose[:3, 3]
-    told = Rotation.from_quat(pose.orientation).as_matrix() @ middle + np.array(pose.position)
-    return float(np.linalg.norm(true - told))
+    estimate = Rotation.from_quat(pose.orientation).as_matrix() @ middle + np.array(pose.position)
+    return float(np.linalg.norm(true - estimate))
 
 
 def main() -> int:
@@ -123,24 +124,24 @@ def main() -> int:
     asked = parser.parse_args()
     catalog = igrip.load_objects("ycb")
     hands = cut_hands(asked.film)
-    new_hands = hand_eye("mediapipe", 2)
+    new_hands = hand_stages("mediapipe", 2)
     rows, frames, began = [], 0, time.perf_counter()
     for number in range(asked.reaches):
         film = film_reach(catalog, 1000 * asked.seed + number)
-        look = object_eye("depth", catalog, {"models": PAPER_OBJECTS})()
+        objects = object_stages("depth", catalog, {"models": PAPER_OBJECTS})()
         put = partial(put_hand, hands[number % len(hands)])
-        eye = new_hands()
-        seen = judge(catalog, film, observe(film.frames(put), eye, look, EVERY))
-        eye.close()
+        detect = new_hands()
+        result = judge(catalog, film, observe(film.frames(put), detect, objects, EVERY))
+        detect.close()
         true = judge(catalog, film, true_observations(film, number))
-        rows.append((seen, true))
+        rows.append((result, true))
         frames += len(film.done.times)
-        palm = 1e3 * float(np.median(seen["off"])) if seen["off"] else float("nan")
-        worst = 1e3 * max(seen["objects_off"].values(), default=float("nan"))
+        palm = 1e3 * float(np.median(result["off"])) if result["off"] else float("nan")
+        worst = 1e3 * max(result["objects_off"].values(), default=float("nan"))
         print(
-            f"{number:3d} {film.task.target:22s} palm in {len(seen['off'])} of "
-            f"{len(film.done.times)} frames, off {palm:.1f} mm; {len(seen['objects_off'])} objects,"
-            f" off by at most {worst:.1f} mm; {'right' if seen['success'] else 'WRONG'}"
+            f"{number:3d} {film.task.target:22s} palm in {len(result['off'])} of "
+            f"{len(film.done.times)} frames, off {palm:.1f} mm; {len(result['objects_off'])} "
+            f"objects, off by at most {worst:.1f} mm; {'right' if result['success'] else 'WRONG'}"
             f" (true positions: {'right' if true['success'] else 'WRONG'})",
             flush=True,
         )

@@ -1,6 +1,6 @@
-"""Print how well and how fast the pose finder ``depth`` is on rendered scenes.
+"""Print how exact and how fast the pose estimator ``depth`` is on rendered scenes.
 
-    python docs/measure_poses.py --scenes 60
+    python -m benchmarks.measure_poses --scenes 60
 
 Four objects of the paper on a table, at least 30 mm apart, a third of them lying, noise like an
 OAK-D's; the camera 0.7 to 1 m away, looking down 30 to 50 degrees. ``--distractors`` puts one more
@@ -40,17 +40,17 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--frames", type=int, default=5, help="tracked after the first")
     parser.add_argument("--distractors", action="store_true")
-    parser.add_argument("--strangers", action="store_true", help="only things not looked for")
+    parser.add_argument("--strangers", action="store_true", help="only unknown objects")
     parser.add_argument("--apart", type=float, default=0.03, help="least gap [m]")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
-    crowd = {"apart": arguments.apart}
+    layout = {"apart": arguments.apart}
     if arguments.apart < 0.03:  # heap them up
-        crowd.update(width=0.3, depth=0.25)
+        layout.update(width=0.3, depth=0.25)
     catalog = igrip.load_objects("ycb")
-    finder = DepthPoses(catalog, {"models": PAPER_OBJECTS})
+    estimator = DepthPoses(catalog, {"models": PAPER_OBJECTS})
     if arguments.strangers:
-        strangers(catalog, finder, arguments.scenes, arguments.seed)
+        strangers(catalog, estimator, arguments.scenes, arguments.seed)
         return
     tally = dict.fromkeys(("objects", "within", "wrong", "missed", "hidden", "invented"), 0)
     gaps: list[float] = []
@@ -63,20 +63,20 @@ def main() -> None:
         if arguments.distractors:
             names += [str(random.choice(OTHERS))]
         try:
-            scene = strewn_scene(catalog, names, random, LayoutConfig(**crowd))
+            scene = strewn_scene(catalog, names, random, LayoutConfig(**layout))
         except ValueError:
             continue  # they did not fit
-        finder.close()
+        estimator.close()
         warm = not first
         for number in range(1 + arguments.frames):
             frame = scene.frame(number / 30, random)
             start = time.perf_counter()
-            poses = finder.find(frame)
+            poses = estimator.estimate(frame)
             took = time.perf_counter() - start
             if number == 0 and warm:
-                finder.close()  # compiled meanwhile
+                estimator.close()  # compiled meanwhile
                 start = time.perf_counter()
-                poses = finder.find(frame)
+                poses = estimator.estimate(frame)
                 took = time.perf_counter() - start
             (then if number else first).append(took)
         visible = visibility(scene)
@@ -90,7 +90,7 @@ def main() -> None:
                 tally["objects"] += 1
             if pose is None:
                 tally["missed"] += 1
-                told = "missed"
+                outcome = "missed"
             else:
                 gap = middle_gap(scene, name, np.array(pose.position), pose.orientation)
                 gaps.append(gap)
@@ -101,14 +101,14 @@ def main() -> None:
                     for at in names
                     if at != name
                 )
-                told = "within" if gap <= WITHIN else "wrong" if other < 0.05 else "off"
+                outcome = "within" if gap <= WITHIN else "wrong" if other < 0.05 else "off"
                 if gap <= WITHIN:
                     tally["within"] += visible[name] >= VISIBLE
                 elif other < 0.05:
                     tally["wrong"] += 1
-                told += f" {1e3 * gap:.1f} mm"
-            if arguments.verbose and not told.startswith("within"):
-                print(f"seed {seed}: {name}: {told}, {visible[name]:.0%} visible")
+                outcome += f" {1e3 * gap:.1f} mm"
+            if arguments.verbose and not outcome.startswith("within"):
+                print(f"seed {seed}: {name}: {outcome}, {visible[name]:.0%} visible")
     n = tally["objects"]
     print(f"{len(first)} scenes, {n} objects judged, {tally['hidden']} too hidden to be")
     print(f"within {1e3 * WITHIN:.0f} mm   {tally['within'] / n:7.1%}   bar 95 %")
@@ -120,16 +120,16 @@ def main() -> None:
         print(f"  {name}: turned by median {np.median(angles):.1f} degrees, "
               f"{np.mean(np.array(angles) <= 10):.1%} within 10")  # fmt: skip
     print(f"first detection: median {1e3 * np.median(first):.0f} ms, "
-          f"most {1e3 * max(first):.0f} ms   bar 1000 ms")  # fmt: skip
+          f"max {1e3 * max(first):.0f} ms   bar 1000 ms")  # fmt: skip
     print(f"tracking: median {1e3 * np.median(then):.1f} ms, "
           f"90 % {1e3 * np.percentile(then, 90):.1f} ms   bar 20 ms")  # fmt: skip
     print(f"load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
 
 
-def strangers(catalog: Catalog, finder: DepthPoses, scenes: int, first: int) -> None:
-    """Print for which things that are not looked for a model is reported."""
+def strangers(catalog: Catalog, estimator: DepthPoses, scenes: int, first: int) -> None:
+    """Print which objects that are not looked for are reported as a model."""
     shown = dict.fromkeys(OTHERS, 0)
-    taken: dict[tuple[str, str], int] = {}
+    confused: dict[tuple[str, str], int] = {}
     for seed in range(first, first + scenes):
         random = np.random.default_rng(seed)
         names = [str(name) for name in random.choice(OTHERS, 3, replace=False)]
@@ -137,17 +137,17 @@ def strangers(catalog: Catalog, finder: DepthPoses, scenes: int, first: int) -> 
             scene = strewn_scene(catalog, names, random)
         except ValueError:
             continue
-        finder.close()
+        estimator.close()
         for name in names:
             shown[name] += 1
-        for model, pose in finder.find(scene.frame(0.0, random)).items():
+        for model, pose in estimator.estimate(scene.frame(0.0, random)).items():
             if pose is not None:
                 at = np.array(pose.position), pose.orientation
                 gaps = {n: model_gap(catalog[model], scene.objects[n], *at) for n in names}
                 pair = (min(gaps, key=lambda n: gaps[n]), model)
-                taken[pair] = taken.get(pair, 0) + 1
-    print(f"{sum(shown.values())} things shown, {sum(taken.values())} taken for a model")
-    for (name, model), count in sorted(taken.items(), key=lambda item: -item[1]):
+                confused[pair] = confused.get(pair, 0) + 1
+    print(f"{sum(shown.values())} objects shown, {sum(confused.values())} taken for a model")
+    for (name, model), count in sorted(confused.items(), key=lambda item: -item[1]):
         print(f"  {name} for {model}: {count} of {shown[name]}")
 
 

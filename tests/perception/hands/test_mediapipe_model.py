@@ -9,7 +9,7 @@ import zipfile
 import pytest
 
 from igrip.errors import IgripError
-from igrip.perception.hand_detection import mediapipe_model as model
+from igrip.perception.hands import _mediapipe_model as model
 
 CONTENT = {"palm.tflite": b"palm" * 100, "hand.tflite": b"hand" * 100}
 

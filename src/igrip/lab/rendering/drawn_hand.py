@@ -1,38 +1,31 @@
-"""Pictures of hands that can be put into frames: cut out of a film of a real hand, or drawn.
+"""A drawn hand that can be put into frames, for cameras that are rendered.
 
-A finder of hands is trained on photographs; a sprite of a real hand at the right size and depth is
-as near to one as a rendered scene can have. A drawn hand needs no photograph, and is found less
-often (docs/hands.md says how often).
+Hand detectors are trained on photographs. A drawn hand needs none, and is detected as often as a
+real one cut out of a film (docs/hands.md).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.errors import IgripError
-from igrip.perception.hand_detection.image_tiles import PALM, palm_length
-from igrip.perception.hands import HandDetection, HandDetector
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 
-Array = NDArray[np.float64]
-
-LENGTH = 0.09  # m from the wrist to the knuckles of an adult's hand; guess
+PALM = (0, 5, 17)  # wrist, roots of the index and the little finger
+PALM_LENGTH = 0.09  # m from the wrist to the knuckles of an adult's hand; guess
 RELIEF = 0.012  # m by which the middle of a hand is nearer than its outline; guess
 BONES = (
     (0, 1), (1, 2), (2, 3), (3, 4), (5, 6), (6, 7), (7, 8), (9, 10), (10, 11), (11, 12),
     (13, 14), (14, 15), (15, 16), (17, 18), (18, 19), (19, 20),
 )  # fmt: skip
-FOREARM = 3.0  # an arm is kept for so many times the way from palm centre to wrist
-WIDTH = 0.2  # of a finger, in lengths of the palm
+FOREARM = 3.0  # length of the arm, in distances of the palm's centre from the wrist
+FINGER_WIDTH = 0.2  # in lengths of the palm
 SKIN = np.array([225.0, 172.0, 145.0])
-# a spread right hand seen from its palm, wrist below; in lengths of the palm
-FLAT = np.array([
+# landmarks of a spread right hand seen from its palm, wrist below; in lengths of the palm
+OPEN_HAND = np.array([
     [0.0, 0.0], [0.32, -0.12], [0.55, -0.38], [0.72, -0.6], [0.88, -0.8],
     [0.3, -0.95], [0.38, -1.38], [0.42, -1.66], [0.45, -1.9],
     [0.06, -1.0], [0.08, -1.48], [0.09, -1.8], [0.1, -2.06],
@@ -42,7 +35,7 @@ FLAT = np.array([
 
 
 class Sprite(NamedTuple):
-    """A hand on nothing.
+    """A hand without a background.
 
     Attributes
     ----------
@@ -51,81 +44,25 @@ class Sprite(NamedTuple):
     alpha : (h, w) float32
         1 on the hand, 0 beside it.
     landmarks : (21, 2)
-        [pixels of the sprite].
+        In MediaPipe's order [pixels of the sprite].
     """
 
     colour: NDArray[np.uint8]
     alpha: NDArray[np.float32]
     landmarks: Array
 
+    @property
+    def palm(self) -> Array:
+        """The palm's centre, (2,) [pixels]."""
+        centre: Array = self.landmarks[list(PALM)].mean(axis=0)
+        return centre
 
-def cut_out(colour: NDArray[np.uint8], hand: HandDetection) -> Sprite:
-    """Cut a hand and a piece of its arm out of a picture.
-
-    The landmarks' outline, grown, says where skin surely and where it may be; GrabCut (Rother et
-    al. 2004) decides between.
-    """
-    import cv2
-
-    length = palm_length(hand.landmarks)
-    arm = hand.landmarks[0] - hand.landmarks[list(PALM)].mean(axis=0)
-    reach = np.vstack([hand.landmarks, hand.landmarks[0] + FOREARM * arm])
-    margin = 0.5 * length
-    height, width = colour.shape[:2]
-    low = np.maximum(np.floor(reach.min(axis=0) - margin), 0).astype(int)
-    high = np.minimum(np.ceil(reach.max(axis=0) + margin), [width, height]).astype(int)
-    if (high - low < 8).any():
-        raise IgripError("the hand is outside the picture")
-    part = np.ascontiguousarray(colour[low[1] : high[1], low[0] : high[0]])
-    inside = hand.landmarks - low
-    mask = np.full(part.shape[:2], cv2.GC_BGD, np.uint8)
-    hull = cv2.convexHull(np.round(reach - low).astype(np.int32))
-    cv2.fillConvexPoly(mask, hull, cv2.GC_PR_FGD)
-    cv2.polylines(mask, [hull], True, cv2.GC_PR_BGD, max(1, int(0.35 * length)))
-    sure = max(2, int(0.5 * WIDTH * length))
-    for a, b in BONES:
-        _line(mask, inside[a], inside[b], cv2.GC_FGD, sure)
-    _line(mask, inside[0], reach[-1] - low, cv2.GC_PR_FGD, int(0.7 * length))
-    _line(mask, inside[0], reach[-1] - low, cv2.GC_FGD, sure)
-    cv2.fillPoly(mask, [np.round(inside[[0, 5, 9, 13, 17]]).astype(np.int32)], cv2.GC_FGD)
-    cv2.setRNGSeed(0)
-    empty = np.zeros((1, 65))
-    cv2.grabCut(part, mask, None, empty, empty.copy(), 4, cv2.GC_INIT_WITH_MASK)
-    skin = ((mask == cv2.GC_FGD) | (mask == cv2.GC_PR_FGD)).astype(np.uint8)
-    _, parts = cv2.connectedComponents(skin)
-    x, y = np.round(inside[list(PALM)].mean(axis=0)).astype(int)
-    alpha = (parts == parts[y, x]).astype(np.float32) * skin
-    return Sprite(part, cv2.GaussianBlur(alpha, (0, 0), 1.0), inside)
-
-
-def film_sprites(path: Path, finder: HandDetector, every: int = 1) -> Iterator[Sprite]:
-    """Yield the surest hand of every so many frames of a film.
-
-    Raises
-    ------
-    IgripError
-        If the film cannot be read.
-    """
-    import cv2
-
-    from igrip.rgbd import Intrinsics
-
-    film = cv2.VideoCapture(str(path))
-    number = 0
-    while True:
-        good, picture = film.read()
-        if not good:
-            break
-        colour = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
-        height, width = colour.shape[:2]
-        camera = Intrinsics(width, height, width, width, 0.5 * width, 0.5 * height)
-        hands = finder.find(RgbdFrame(number / 30.0, colour, None, camera))
-        if hands and number % every == 0:
-            yield cut_out(colour, hands[0])
-        number += 1
-    film.release()
-    if number == 0:
-        raise IgripError(f"{path}: no film that can be read")
+    @property
+    def palm_length(self) -> float:
+        """The palm's length, wrist to knuckles or across [pixels]."""
+        wrist, index, little = self.landmarks[list(PALM)]
+        along = np.linalg.norm(0.5 * (index + little) - wrist)
+        return float(max(along, np.linalg.norm(index - little)))
 
 
 def draw_hand(landmarks: Array | None = None, length: float = 120.0, seed: int = 0) -> Sprite:
@@ -142,34 +79,34 @@ def draw_hand(landmarks: Array | None = None, length: float = 120.0, seed: int =
     """
     import cv2
 
-    points = length * (FLAT if landmarks is None else np.asarray(landmarks, dtype=np.float64))
+    points = length * (OPEN_HAND if landmarks is None else np.asarray(landmarks, dtype=np.float64))
     arm = points[0] - points[list(PALM)].mean(axis=0)
     end = points[0] + FOREARM * arm
     low = np.vstack([points, end]).min(axis=0) - 0.5 * length
     points, end = points - low, end - low
     width, height = np.ceil(np.vstack([points, end]).max(axis=0) + 0.5 * length).astype(int)
-    thick = WIDTH * length
-    lifted = np.zeros((height, width), np.float32)  # how far the skin stands out [pixels]
+    thick = FINGER_WIDTH * length
+    relief = np.zeros((height, width), np.float32)  # of the skin, towards the viewer [pixels]
     palm: Any = np.zeros((height, width), np.uint8)
     outline = points[[0, 1, 2, 5, 9, 13, 17]]
     cv2.fillPoly(palm, [np.round(outline).astype(np.int32)], 1)
-    _line(palm, points[0], end, 1, int(0.55 * length))
+    draw_line(palm, points[0], end, 1, int(0.55 * length))
     for a, b in ((0, 1), (1, 2), (2, 5), (5, 9), (9, 13), (13, 17), (17, 0)):
-        _line(palm, points[a], points[b], 1, int(1.2 * thick))
+        draw_line(palm, points[a], points[b], 1, int(1.2 * thick))
     parts = [palm]
     for a, b in BONES[1:]:
         finger = np.zeros((height, width), np.uint8)
         tip = b in (4, 8, 12, 16, 20)
-        _line(finger, points[a], points[b], 1, int(thick * (0.85 if tip else 1.0)))
+        draw_line(finger, points[a], points[b], 1, int(thick * (0.85 if tip else 1.0)))
         parts.append(finger)
     for part in parts:  # a body's height over its outline is that of a half ellipse
         away = cv2.distanceTransform(part, cv2.DIST_L2, 5)
         radius = min(float(away.max()), 0.9 * thick)
         rounded = np.sqrt(np.maximum(1.0 - (1.0 - np.minimum(away / radius, 1.0)) ** 2, 0.0))
-        lifted = np.maximum(lifted, radius * rounded)
-    alpha = (lifted > 0.0).astype(np.float32)
-    lifted = cv2.GaussianBlur(lifted, (0, 0), 0.03 * length)
-    light = 0.62 + 0.38 * _shading(lifted)
+        relief = np.maximum(relief, radius * rounded)
+    alpha = (relief > 0.0).astype(np.float32)
+    relief = cv2.GaussianBlur(relief, (0, 0), 0.03 * length)
+    light = 0.62 + 0.38 * _shading(relief)
     rng = np.random.default_rng(seed)
     grain: Any = cv2.GaussianBlur(rng.normal(0.0, 1.0, (height, width)), (0, 0), 1.5)
     broad: Any = cv2.GaussianBlur(rng.normal(0.0, 1.0, (height, width)), (0, 0), 0.15 * length)
@@ -181,9 +118,9 @@ def draw_hand(landmarks: Array | None = None, length: float = 120.0, seed: int =
     )
 
 
-def _shading(lifted: NDArray[np.float32]) -> Array:
+def _shading(relief: NDArray[np.float32]) -> Array:
     """Return how bright a matt surface of some height is, lit from above on the left, 0 to 1."""
-    down, right = np.gradient(lifted.astype(np.float64))
+    down, right = np.gradient(relief.astype(np.float64))
     light = np.array([-0.35, -0.45, 0.82])
     normal = np.stack([-right, -down, np.ones_like(down)], axis=-1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -191,17 +128,18 @@ def _shading(lifted: NDArray[np.float32]) -> Array:
     return bright
 
 
-def _line(mask: NDArray[np.uint8], start: Array, end: Array, value: int, width: int) -> None:
+def draw_line(mask: NDArray[np.uint8], start: Array, end: Array, value: int, width: int) -> None:
+    """Draw a line of some width into a mask, from and to (2,) pixels."""
     import cv2
 
     a, b = (tuple(round(float(x)) for x in point) for point in (start, end))
     cv2.line(mask, a, b, value, max(1, width))
 
 
-def place(
+def paste_hand(
     frame: RgbdFrame, sprite: Sprite, pixel: tuple[float, float], depth: float, turn: float = 0.0,
     light: float = 1.0,
-) -> tuple[RgbdFrame, HandDetection]:  # fmt: skip
+) -> tuple[RgbdFrame, Array]:  # fmt: skip
     """Put a hand into a frame, as large as it looks at that depth, behind what is nearer.
 
     Parameters
@@ -223,16 +161,15 @@ def place(
     -------
     frame : RgbdFrame
         With the hand in colour and, where there is depth, in depth.
-    hand : HandDetection
-        Where its landmarks are now.
+    landmarks : (21, 2)
+        Of the hand in the frame [pixels].
     """
     import cv2
 
-    scale = frame.intrinsics.fx * LENGTH / depth / palm_length(sprite.landmarks)
+    scale = frame.intrinsics.fx * PALM_LENGTH / depth / sprite.palm_length
     c, s = scale * np.cos(turn), scale * np.sin(turn)
     linear = np.array([[c, -s], [s, c]])
-    centre = sprite.landmarks[list(PALM)].mean(axis=0)
-    matrix = np.column_stack([linear, np.array(pixel) - linear @ centre])
+    matrix = np.column_stack([linear, np.array(pixel) - linear @ sprite.palm])
     size = (frame.colour.shape[1], frame.colour.shape[0])
     smaller = scale < 1.0  # else fine grain would alias
     soft = cv2.GaussianBlur(sprite.colour, (0, 0), 0.4 / scale) if smaller else sprite.colour
@@ -252,4 +189,4 @@ def place(
     mixed = frame.colour + alpha[..., None] * (light * colour.astype(np.float64) - frame.colour)
     picture = np.clip(np.round(mixed), 0, 255).astype(np.uint8)
     landmarks = sprite.landmarks @ linear.T + matrix[:, 2]
-    return replace(frame, colour=picture, depth=measured), HandDetection(landmarks, 1.0)
+    return replace(frame, colour=picture, depth=measured), landmarks
