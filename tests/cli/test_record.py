@@ -13,8 +13,9 @@ import pytest
 from board_pictures import looking_at, see
 from igrip.cli import main
 from igrip.errors import RecordingError
-from igrip.io.recordings.files import open_recording, open_writer
-from igrip.io.recordings.mcap_writer import McapReader, McapWriter
+from igrip.io.mcap.reader import McapReader
+from igrip.io.mcap.writer import McapWriter
+from igrip.io.recordings import open_source, open_writer
 from igrip.perception.calibration.board import Board
 from igrip.perception.cameras import open_camera
 from rgbd_frames import frame
@@ -139,7 +140,7 @@ def test_replaying_mcap_and_jsonl_gives_the_same_lines(
 ):
     path = small_dataset.recording(small_dataset.trials[0])
     with open_writer(tmp_path / "reach.mcap") as file:
-        for observation in open_recording(path):
+        for observation in open_source(path):
             file.write(observation)
     for source, out in ((path, "a.jsonl"), (tmp_path / "reach.mcap", "b.mcap")):
         run(monkeypatch, capsys, 0, "replay", source, "--targets", "paper", "--out", tmp_path / out,

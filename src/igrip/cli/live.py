@@ -20,7 +20,7 @@ from igrip.config import Config
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.io.recordings.files import open_writer
+from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.pipeline.detectors import hand_eye, object_eye, read_options, warm_up_eyes

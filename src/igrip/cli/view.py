@@ -11,7 +11,7 @@ from igrip.cli.console import errors, progress
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.sources import open_source
+from igrip.io.recordings import open_source
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
 from igrip.targets import TARGETS

@@ -15,7 +15,7 @@ from typing import Any
 
 from igrip.errors import DatasetError, RecordingError
 from igrip.io.datasets.trial import COLUMNS, Trial, read_trials
-from igrip.io.recordings.files import ENDINGS
+from igrip.io.recordings import SOURCES
 from igrip.io.recordings.jsonl import JsonlWriter
 from igrip.observation import Observation
 
@@ -85,8 +85,8 @@ class Dataset:
             If there is none.
         """
         _plain_name(trial.recording)
-        for ending in ENDINGS:
-            path = self.path / "recordings" / f"{trial.recording}{ending}"
+        for ending in SOURCES.names():
+            path = self.path / "recordings" / f"{trial.recording}.{ending}"
             if path.is_file():
                 return path
         raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_writer import McapReader
+from igrip.io.mcap.reader import McapReader
 from igrip.perception.calibration.lens import Lens, load_cv2
 from igrip.perception.cameras import CAMERAS, CameraError, read_options
 from igrip.rgbd import RgbdFrame

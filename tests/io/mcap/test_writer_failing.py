@@ -7,7 +7,8 @@ import pytest
 
 from igrip import Observation
 from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_writer import McapReader, McapWriter
+from igrip.io.mcap.reader import McapReader
+from igrip.io.mcap.writer import McapWriter
 
 
 def test_a_full_disk_leaves_a_readable_file(tmp_path):

@@ -1,8 +1,8 @@
-"""Frames of a camera as the messages that Foxglove and other readers of MCAP know, and back.
+"""Camera frames as the messages that Foxglove and other MCAP readers know, and back.
 
-Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 bits. Both belong to
-one ``foxglove.CameraCalibration``, and the camera stands in the world by a
-``foxglove.FrameTransform``. Hands that were found are drawn by ``foxglove.ImageAnnotations``.
+Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 bits. Both share one
+``foxglove.CameraCalibration``; a ``foxglove.FrameTransform`` places the camera in the world.
+``foxglove.ImageAnnotations`` draw the detected hands.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from igrip.errors import MissingExtraError, RecordingError
-from igrip.io.recordings.messages import Detections
+from igrip.io.mcap.messages import Detections
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 WORLD = "world"
 DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
 JPEG_QUALITY = 90
-LARGEST = 1 << 26  # pixels of a picture that is read; those of cameras have some 2^20
+MAX_PIXELS = 1 << 26  # of a picture that is read; those of cameras have some 2^20
 
 
 class Schema(NamedTuple):
-    """A kind of protobuf message and the description of it that goes into the file."""
+    """A type of protobuf message, with the description of it that goes into the file."""
 
     name: str
     description: bytes
@@ -35,7 +35,7 @@ class Schema(NamedTuple):
 
 @cache
 def schema(name: str) -> Schema:
-    """Return one of Foxglove's kinds of message, for example ``CompressedImage``.
+    """Return one of Foxglove's message types, for example ``CompressedImage``.
 
     Raises
     ------
@@ -52,17 +52,17 @@ def schema(name: str) -> Schema:
     files: dict[str, Any] = {}
 
     def collect(file: Any) -> None:
-        """Add a file after those it builds on."""
+        """Add a file after those it depends on."""
         for other in file.dependencies:
             if other.name not in files:
                 collect(other)
         files[file.name] = file
 
     collect(message.DESCRIPTOR.file)
-    described = FileDescriptorSet()
+    descriptors = FileDescriptorSet()
     for file in files.values():
-        file.CopyToProto(described.file.add())
-    return Schema(message.DESCRIPTOR.full_name, described.SerializeToString(), message)
+        file.CopyToProto(descriptors.file.add())
+    return Schema(message.DESCRIPTOR.full_name, descriptors.SerializeToString(), message)
 
 
 def _cv2() -> Any:
@@ -125,7 +125,7 @@ def encode_calibration(frame: RgbdFrame) -> bytes:
 
 
 def encode_place(frame: RgbdFrame) -> bytes:
-    """Return where the camera of a frame stands as a message."""
+    """Return the pose of a frame's camera in the world as a message."""
     message = _stamp(schema("FrameTransform").message(), frame.t)
     message.parent_frame_id, message.child_frame_id = WORLD, frame.camera
     x, y, z = frame.world_from_camera[:3, 3].tolist()
@@ -136,21 +136,21 @@ def encode_place(frame: RgbdFrame) -> bytes:
     return bytes(message.SerializeToString())
 
 
-def encode_annotations(found: Detections) -> bytes:
-    """Return the hands of a picture as points and words that a viewer draws over it."""
+def encode_annotations(detections: Detections) -> bytes:
+    """Return the detected hands as points and labels that a viewer draws over the picture."""
     kind = schema("ImageAnnotations").message
-    message = _stamp(kind(), found.t)
-    for hand in found.hands:
-        dots = _stamp(message.points.add(), found.t)
+    message = _stamp(kind(), detections.t)
+    for hand in detections.hands:
+        dots = _stamp(message.points.add(), detections.t)
         dots.type, dots.thickness = dots.POINTS, 4.0
         for u, v in hand.landmarks:
             dots.points.add(x=u, y=v)
         _paint(dots.outline_color)
         if hand.landmarks:
-            words = _stamp(message.texts.add(), found.t)
-            words.position.x, words.position.y = hand.landmarks[0]
-            words.text, words.font_size = f"{hand.label or 'hand'} {hand.score:.0%}", 16.0
-            _paint(words.text_color)
+            label = _stamp(message.texts.add(), detections.t)
+            label.position.x, label.position.y = hand.landmarks[0]
+            label.text, label.font_size = f"{hand.label or 'hand'} {hand.score:.0%}", 16.0
+            _paint(label.text_color)
     return bytes(message.SerializeToString())
 
 
@@ -164,12 +164,12 @@ def decode_picture(data: bytes) -> NDArray[Any]:
     Raises
     ------
     RecordingError
-        If it holds none.
+        If the message holds no such picture.
     """
     cv2 = _cv2()
     packed = _parse("CompressedImage", data).data
     width, height = _declared_size(packed)
-    if width * height > LARGEST:
+    if width * height > MAX_PIXELS:
         raise RecordingError(f"data: a picture of {width} × {height} is too large")
     try:
         picture = cv2.imdecode(np.frombuffer(packed, np.uint8), cv2.IMREAD_UNCHANGED)
@@ -185,7 +185,7 @@ def decode_picture(data: bytes) -> NDArray[Any]:
 
 
 def _declared_size(data: bytes) -> tuple[int, int]:
-    """Return width and height that a PNG or JPEG says it has, before anything is unpacked.
+    """Return the width and height that a PNG or JPEG declares, before it is unpacked.
 
     PNG: ISO/IEC 15948, 11.2.1; JPEG: ITU-T T.81, B.2.2.
     """
@@ -208,7 +208,7 @@ def decode_calibration(data: bytes) -> Intrinsics:
     Raises
     ------
     RecordingError
-        If it holds none, or distortion: frames are rectified.
+        If it holds none, or the pictures are distorted: frames are rectified.
     """
     message = _parse("CameraCalibration", data)
     k = list(message.K)
@@ -222,7 +222,7 @@ def decode_calibration(data: bytes) -> Intrinsics:
 
 
 def decode_place(data: bytes) -> tuple[str, Array]:
-    """Return which camera a message is about, and its world_from_camera, shape (4, 4)."""
+    """Return the name of a camera and its world_from_camera, shape (4, 4)."""
     message = _parse("FrameTransform", data)
     at, turn = message.translation, message.rotation
     place = np.eye(4)

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from igrip.io.recordings.mcap_writer import McapReader
+from igrip.io.mcap.reader import McapReader
 
 RECORDER = """
 import sys, time
 sys.path.insert(0, sys.argv[2])
 from igrip import Observation
-from igrip.io.recordings.mcap_writer import McapWriter
+from igrip.io.mcap.writer import McapWriter
 from rgbd_frames import frame
 with McapWriter(sys.argv[1]) as writer:
     for k in range(10_000):
@@ -31,7 +31,7 @@ with McapWriter(sys.argv[1]) as writer:
 )
 def test_kill(tmp_path, seed):
     path = tmp_path / "x.mcap"
-    command = [sys.executable, "-c", RECORDER, str(path), str(Path(__file__).parents[1])]
+    command = [sys.executable, "-c", RECORDER, str(path), str(Path(__file__).parents[2])]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         first = child.stdout.readline()
         time.sleep(random.Random(seed).uniform(0.0, 2.0))
@@ -50,7 +50,7 @@ FULL = """
 import resource, signal, sys, time
 sys.path.insert(0, sys.argv[2])
 from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_writer import McapWriter
+from igrip.io.mcap.writer import McapWriter
 from rgbd_frames import frame
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (900_000, 900_000))
@@ -68,7 +68,7 @@ except RecordingError as error:
 def test_a_file_that_may_not_grow(tmp_path):
     """As a full disk, by the operating system itself."""
     path = tmp_path / "x.mcap"
-    command = [sys.executable, "-c", FULL, str(path), str(Path(__file__).parents[1])]
+    command = [sys.executable, "-c", FULL, str(path), str(Path(__file__).parents[2])]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.stdout == f"{path}: File too large; what was recorded before can be read\n"
     reader = McapReader(path)
