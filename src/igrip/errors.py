@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class IgripError(Exception):
@@ -70,3 +71,31 @@ class MissingExtraError(IgripError, ImportError):
 
     def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str, str]]:
         return type(self), (self.package, self.extra, self.purpose)
+
+
+@contextmanager
+def requires_extra(
+    package: str, extra: str, purpose: str, errors: tuple[type[Exception], ...] = (ImportError,)
+) -> Iterator[None]:
+    """Raise :class:`MissingExtraError` where the imports inside fail.
+
+    Parameters
+    ----------
+    package : str
+        The distribution to install.
+    extra : str
+        The extra of igrip that brings it.
+    purpose : str
+        What needs it.
+    errors : tuple of exception types
+        What a failed import raises; a few packages raise others than ``ImportError``.
+
+    Examples
+    --------
+    >>> with requires_extra("viser", "viewer", "the scene in the browser"):
+    ...     import viser
+    """
+    try:
+        yield
+    except errors as error:
+        raise MissingExtraError(package, extra, purpose) from error
