@@ -7,6 +7,7 @@ Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 
 
 from __future__ import annotations
 
+import importlib
 import struct
 from functools import cache
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from igrip.errors import MissingExtraError, RecordingError
+from igrip.errors import RecordingError, requires_extra
 from igrip.io.mcap.messages import Detections
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
@@ -42,12 +43,10 @@ def schema(name: str) -> Schema:
     MissingExtraError
         If the package is not installed.
     """
-    try:
+    with requires_extra("foxglove-schemas-protobuf", "mcap", "MCAP recordings"):
         from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-        module = __import__(f"foxglove_schemas_protobuf.{name}_pb2", fromlist=[name])
-    except ImportError:
-        raise MissingExtraError("foxglove-schemas-protobuf", "mcap", "MCAP recordings") from None
+        module = importlib.import_module(f"foxglove_schemas_protobuf.{name}_pb2")
     message = getattr(module, name)
     files: dict[str, Any] = {}
 
@@ -66,10 +65,8 @@ def schema(name: str) -> Schema:
 
 
 def _cv2() -> Any:
-    try:
+    with requires_extra("opencv-python-headless", "mcap", "pictures in MCAP"):
         import cv2
-    except ImportError:
-        raise MissingExtraError("opencv-python-headless", "mcap", "pictures in MCAP") from None
     return cv2
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from igrip.errors import MissingExtraError, ObservationError, RecordingError
+from igrip.errors import ObservationError, RecordingError, requires_extra
 from igrip.io.files import RecordingFile, decode
 from igrip.io.mcap.frames import FrameAssembler
 from igrip.io.mcap.messages import OBSERVATIONS
@@ -35,10 +35,8 @@ class McapReader(RecordingFile):
     """
 
     def __init__(self, path: str | Path) -> None:
-        try:
+        with requires_extra("mcap", "mcap", "MCAP recordings"):
             import mcap.records  # noqa: F401
-        except ImportError:
-            raise MissingExtraError("mcap", "mcap", "MCAP recordings") from None
         super().__init__(path)
 
     def __iter__(self) -> Iterator[Observation]:

@@ -20,7 +20,7 @@ from typing import Any
 
 import msgspec
 
-from igrip.errors import MissingExtraError, RecordingError
+from igrip.errors import RecordingError, requires_extra
 from igrip.io.files import CrashSafeFile
 from igrip.io.mcap import foxglove
 from igrip.io.mcap.messages import Detections, Event, Message, schema_of, topic_of
@@ -70,10 +70,8 @@ class McapWriter:
         depth_unit: float = foxglove.DEPTH_UNIT,
         lossless: bool = False,
     ) -> None:
-        try:
+        with requires_extra("mcap", "mcap", "MCAP recordings"):
             from mcap.writer import Writer
-        except ImportError:
-            raise MissingExtraError("mcap", "mcap", "MCAP recordings") from None
         self.path = Path(path)
         self._unit, self._lossless = depth_unit, lossless
         self._sink = CrashSafeFile(path)
