@@ -122,7 +122,7 @@ def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
 def test_import_needs_tables_it_knows(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("a,b\n1,2\n")
     done = igrip("import", tmp_path / "t.csv", "--out", tmp_path / "d", code=2)
-    assert "no importer recognises these tables (known: wispinski2021)" in done.stderr
+    assert "no importer recognises these files (known: wispinski2021)" in done.stderr
     assert not (tmp_path / "d").exists()
 
 
