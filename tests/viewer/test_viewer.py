@@ -206,7 +206,7 @@ def test_choices_on_the_page(moments: list[Snapshot]) -> None:
                 page.wait_for_timeout(100)
             assert plots.count() == before - 1
         assert chosen == ["paper"]
-        assert viewer._choices.hand == "right"
+        assert viewer._options.hand == "right"
     finally:
         viewer.close()
 

@@ -28,7 +28,7 @@ from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.runtime.access import Access
 from igrip.runtime.loop import Loop
 from igrip.runtime.outputs.stdout import StdoutOutput
-from igrip.viewer.camera_panel import PicturePanel, Seen
+from igrip.viewer.camera_panel import CameraPanel, CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -210,7 +210,7 @@ def _run(
     quiet: bool,
 ) -> None:  # fmt: skip
     screen = Live(console=errors, refresh_per_second=4, transient=True)
-    panel = PicturePanel(viewer.server) if viewer is not None else None
+    panel = CameraPanel(viewer.server) if viewer is not None else None
     on_screen = errors.is_terminal and not quiet
     if on_screen:
         screen.start()
@@ -225,7 +225,7 @@ def _run(
 
 
 def _looker(
-    loop: Loop, chain: Pipeline, viewer: Viewer | None, panel: PicturePanel | None,
+    loop: Loop, chain: Pipeline, viewer: Viewer | None, panel: CameraPanel | None,
     screen: Live | None, seconds: float | None, notes: Notes,
 ) -> Callable[[list[Intention]], None]:  # fmt: skip
     """Return what is done after each update: nothing of it waits."""
@@ -242,7 +242,7 @@ def _looker(
             viewer.show(take_snapshot(estimator))
             told = list(estimator.latest.values())
             panel.show({
-                camera: Seen(found.frame, found.landmarks, estimator.objects, told)
+                camera: CameraView(found.frame, found.landmarks, estimator.objects, told)
                 for camera, found in chain.pictures().items()
             })  # fmt: skip
         if now >= due:
@@ -252,7 +252,7 @@ def _looker(
             if screen is not None:
                 screen.update(table_of(estimator.t, report, list(estimator.latest.values())))
             if panel is not None:
-                panel.tell(markdown_of(report))
+                panel.set_table(markdown_of(report))
 
     return look
 
