@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -60,12 +61,13 @@ def test_record_for_some_seconds(tmp_path, recording):
     out = tmp_path / "new.mcap"
     done = igrip("record", "--camera", f"replay:{recording}?loop=1", "--out", out, "--seconds", 1.5)
     assert f"{out}: " in done.stdout
-    assert "0 dropped" in done.stdout
     reader = McapReader(out)
-    times = [one.t for one in reader.frames()]
+    count = len(list(reader.frames()))
     assert reader.cut is None
-    assert 45 <= len(times) <= 46
-    assert f"{len(times)} frames, 1.5 s, 30.0 Hz" in done.stdout
+    summary = re.search(r"(\d+) frames, 1.5 s, 30.0 Hz, .* MB, (\d+) dropped", done.stdout)
+    written, dropped = map(int, summary.groups())
+    assert written == count
+    assert 45 <= written + dropped <= 46  # a busy machine may drop some
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")

@@ -77,10 +77,9 @@ def test_writing_to_a_closed_file(tmp_path):
 def test_an_idle_file_is_flushed_too(tmp_path):
     writer = McapWriter(tmp_path / "x.mcap")
     writer.write(Observation(t=1.0))
-    for _ in range(200):  # by the thread, some time after the last message
+    deadline = time.monotonic() + 60  # by the thread, some time after the last message
+    while not list(McapReader(tmp_path / "x.mcap")) and time.monotonic() < deadline:
         time.sleep(0.02)
-        if list(McapReader(tmp_path / "x.mcap")):
-            break
     assert list(McapReader(tmp_path / "x.mcap")) == [Observation(t=1.0)]
     writer.close()
 
