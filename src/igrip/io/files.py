@@ -1,20 +1,22 @@
-"""Files of recordings on disk: opened for reading, or written so that a failure costs little."""
+"""Recordings on disk: opened for reading, or written so that a failure costs little."""
 
 from __future__ import annotations
 
 import logging
 import os
+from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO, Self
 
 from igrip.errors import ObservationError, RecordingError
+from igrip.intention import Intention
 from igrip.observation import Observation
 
 log = logging.getLogger(__name__)
 
 
-class RecordingFile:
-    """A recording on disk that is read; the base of its readers.
+class RecordingReader:
+    """A recording on disk; the base of its readers.
 
     Parameters
     ----------
@@ -29,7 +31,8 @@ class RecordingFile:
     Raises
     ------
     RecordingError
-        If there is no such file.
+        If there is no such file; while iterating, if it cannot be read or is damaged. The message
+        names the place in the file.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -40,13 +43,7 @@ class RecordingFile:
             raise RecordingError(f"{self.path}: {problem}")
 
     def open(self) -> BinaryIO:
-        """Open the file from its beginning.
-
-        Raises
-        ------
-        RecordingError
-            If it cannot be opened.
-        """
+        """Open the file from its beginning."""
         self.cut = None
         try:
             return self.path.open("rb")
@@ -60,17 +57,35 @@ class RecordingFile:
 
 
 def decode(data: bytes, not_before: float) -> Observation:
-    """Return the observation of one JSON text of a recording.
-
-    Raises
-    ------
-    ObservationError
-        If it is malformed, or its time is less than ``not_before`` [s].
-    """
+    """Return the observation of one JSON text, whose time is at least ``not_before`` [s]."""
     observation = Observation.from_json(data)
     if observation.t < not_before:
         raise ObservationError("t", f"decreased from {not_before!r} to {observation.t!r}")
     return observation
+
+
+class RecordingWriter(ABC):
+    """A recording to which messages are appended; a context manager that closes it."""
+
+    @abstractmethod
+    def write(self, message: Observation | Intention, **more: Any) -> None:
+        """Append one message, with further fields in its JSON.
+
+        Raises
+        ------
+        RecordingError
+            If the disk is full or fails.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Finish and close the file."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
 
 
 class CrashSafeFile:

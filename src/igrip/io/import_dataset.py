@@ -27,17 +27,11 @@ def import_dataset(
     Parameters
     ----------
     importer : Importer
-        Names the dataset, its licence and source.
+        Gives the dataset its name, licence and source.
     reaches : sequence of functions
-        What the importer returned, or a part of it.
-    out : Path
-        A new folder.
-    catalog : Catalog
-        Holds the objects' models.
-    options : ImportOptions
-        How the movements are changed.
-    objects : sequence of str
-        Sources of the models, for ``dataset.json``.
+        All or some of those that the importer returned.
+    out, objects : Path, sequence of str
+        A new folder, and the sources of the catalog for its ``dataset.json``.
     problems : list of str, optional
         Where given, a reach that cannot be used is left out, and the reason added here.
     on_progress : function

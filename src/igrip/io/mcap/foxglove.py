@@ -21,6 +21,10 @@ from igrip.io.mcap.messages import Detections
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 WORLD = "world"
+TYPES = {  # of the messages of each kind of topic
+    "colour": "CompressedImage", "depth": "CompressedImage", "calibration": "CameraCalibration",
+    "tf": "FrameTransform", "annotations": "ImageAnnotations",
+}  # fmt: skip
 DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
 JPEG_QUALITY = 90
 MAX_PIXELS = 1 << 26  # of a picture that is read; those of cameras have some 2^20

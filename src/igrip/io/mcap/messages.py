@@ -15,7 +15,13 @@ OBSERVATIONS, INTENTIONS = "/observations", "/intentions"
 EVENTS, DETECTIONS = "/events", "/detections"
 
 
-class Event(msgspec.Struct, frozen=True, kw_only=True):
+class _Message(msgspec.Struct, frozen=True, kw_only=True):
+    def to_json(self) -> bytes:
+        """Return one line of JSON, without a line break."""
+        return msgspec.json.encode(self)
+
+
+class Event(_Message, frozen=True, kw_only=True):
     """Something that happened: a camera that stopped, a button, a trial that began.
 
     Parameters
@@ -31,10 +37,6 @@ class Event(msgspec.Struct, frozen=True, kw_only=True):
     t: float
     name: str
     data: dict[str, Any] = {}
-
-    def to_json(self) -> bytes:
-        """Return one line of JSON, without a line break."""
-        return msgspec.json.encode(self)
 
 
 class DetectedHand(msgspec.Struct, frozen=True, kw_only=True):
@@ -55,7 +57,7 @@ class DetectedHand(msgspec.Struct, frozen=True, kw_only=True):
     label: str | None = None
 
 
-class Detections(msgspec.Struct, frozen=True, kw_only=True):
+class Detections(_Message, frozen=True, kw_only=True):
     """The hands and objects detected in one frame of one camera.
 
     Parameters
@@ -74,10 +76,6 @@ class Detections(msgspec.Struct, frozen=True, kw_only=True):
     camera: str
     hands: list[DetectedHand] = []
     objects: dict[str, ObjectPose | None] = {}
-
-    def to_json(self) -> bytes:
-        """Return one line of JSON, without a line break."""
-        return msgspec.json.encode(self)
 
 
 Message = Observation | Intention | Event | Detections

@@ -6,32 +6,19 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from igrip.errors import ObservationError, RecordingError, requires_extra
-from igrip.io.files import RecordingFile, decode
+from igrip.io.files import RecordingReader, decode
 from igrip.io.mcap.frames import FrameAssembler
 from igrip.io.mcap.messages import OBSERVATIONS
-from igrip.io.mcap.records import CutOffError, Record, read_records
+from igrip.io.mcap.records import Record, Unpacker, packed_records
 from igrip.observation import Observation
 from igrip.rgbd import RgbdFrame
 
 
-class McapReader(RecordingFile):
+class McapReader(RecordingReader):
     """The observations of an ``.mcap`` file, in order; may be iterated again.
 
-    A file that was cut off (a full disk, a killed recorder) yields everything before the cut;
-    :attr:`cut` then says where it was, and a warning is logged.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    RecordingError
-        If the file cannot be opened; while iterating, if it is damaged, or a message is malformed
-        (file, message and field are named).
-    MissingExtraError
-        If the package ``mcap`` is not installed.
+    A file that was cut off yields everything before the cut; :attr:`cut` then says where it was,
+    and a warning is logged. It raises :class:`MissingExtraError` if ``mcap`` is not installed.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -50,13 +37,7 @@ class McapReader(RecordingFile):
             yield observation
 
     def frames(self) -> Iterator[RgbdFrame]:
-        """Yield the frames of all cameras as they were recorded, each camera's in order of time.
-
-        Raises
-        ------
-        RecordingError
-            If the file is damaged or a frame malformed.
-        """
+        """Yield the frames of all cameras as they were recorded, each camera's in order of time."""
         assembler = FrameAssembler()
         for record in self.records():
             try:
@@ -67,24 +48,21 @@ class McapReader(RecordingFile):
                 yield frame
 
     def records(self, topics: tuple[str, ...] = ()) -> Iterator[Record]:
-        """Yield the messages of some topics, or of all, in the order of the file.
-
-        Raises
-        ------
-        RecordingError
-            If the file is damaged.
-        """
-        count = 0
+        """Yield the messages of some topics, or of all, in the order of the file."""
+        unpacker = Unpacker()
         with self.open() as file:
-            try:
-                for record in read_records(file):
-                    count += 1
-                    if not topics or record.topic in topics:
-                        yield record
-            except CutOffError as cut:
-                self.note_cut(f"at byte {cut.place}; {count} messages read")
-            except RecordingError as error:
-                raise RecordingError(f"{self.path}, {error}") from error
+            for place, packed in packed_records(file):
+                if packed is None:
+                    self.note_cut(f"at byte {place}; {unpacker.counts.total()} messages read")
+                    return
+                try:
+                    records = unpacker.unpack(packed)
+                except RecordingError as error:
+                    raise RecordingError(f"{self.path}, byte {place}: {error}") from error
+                except Exception as error:  # the package mcap trusts its input
+                    text = f"{self.path}, byte {place}: damaged: {error!r}"
+                    raise RecordingError(text) from error
+                yield from (r for r in records if not topics or r.topic in topics)
 
     def _malformed(self, record: Record, error: Exception) -> RecordingError:
         return RecordingError(f"{self.path}, message {record.number} of {record.topic}: {error}")

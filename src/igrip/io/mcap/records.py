@@ -1,7 +1,7 @@
-"""The messages of an ``.mcap`` file, read within bounds from files that may be cut or damaged.
+"""The records of an ``.mcap`` file that may be cut off or damaged.
 
-The package ``mcap`` parses the records and chunks. Its readers allocate whatever a damaged length
-asks for and do not say where a file ends, so the records are delimited and bounded here.
+The package ``mcap`` parses records and chunks. Its readers allocate whatever a damaged length asks
+for and do not say where a file was cut off, so records are delimited and bounded here.
 """
 
 from __future__ import annotations
@@ -43,91 +43,80 @@ class Record(NamedTuple):
     metadata: dict[str, str]
 
 
-class CutOffError(Exception):
-    """The file ends within a record, without an end mark.
+def packed_records(file: BinaryIO) -> Iterator[tuple[int, bytes | None]]:
+    """Yield place and bytes of each record that leads to messages.
 
-    Attributes
-    ----------
-    place : int
-        Where that record begins [bytes].
+    The last one has None for its bytes if the file was cut off there, without an end mark.
     """
-
-    def __init__(self, place: int) -> None:
-        super().__init__(place)
-        self.place = place
-
-
-def read_records(file: BinaryIO) -> Iterator[Record]:
-    """Yield the messages of a file in their order.
-
-    Raises
-    ------
-    CutOffError
-        If the file was cut off.
-    RecordingError
-        If it is damaged; the message names the byte.
-    """
-    from mcap.records import Channel, Header, Message
-
-    channels: dict[int, Any] = {}
-    counts: Counter[int] = Counter()
-    numbered = False  # whether each channel counts its messages from 1, as igrip writes them
-    for place, packed in _packed_records(file):
-        messages = []
-        try:
-            for item in _unpack(packed):
-                if isinstance(item, Channel):
-                    channels[item.id] = item
-                elif isinstance(item, Header):
-                    numbered = item.library.startswith("igrip ")
-                elif isinstance(item, Message):
-                    channel = channels.get(item.channel_id)
-                    if channel is None:
-                        raise RecordingError(f"a message of an unknown channel, {item.channel_id}")
-                    counts[channel.id] += 1
-                    number = counts[channel.id]
-                    if numbered and item.sequence != number:
-                        raise RecordingError(f"damaged: of {channel.topic}, message "
-                                             f"{item.sequence} follows {number - 1}")  # fmt: skip
-                    t = item.log_time / 1e9
-                    messages.append(Record(channel.topic, number, t, item.data, channel.metadata))
-        except RecordingError as error:
-            raise RecordingError(f"byte {place}: {error}") from error
-        # the package mcap trusts its input: whatever it raises, the file is damaged
-        except Exception as error:
-            raise RecordingError(f"byte {place}: damaged: {error!r}") from error
-        yield from messages
-
-
-def _packed_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
-    """Yield place and bytes of each record that leads to messages, up to the end of the data."""
     from mcap.opcode import Opcode
 
     wanted = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK)
     size = os.fstat(file.fileno()).st_size
     magic = file.read(len(MAGIC))
     if magic != MAGIC[: len(magic)]:
-        raise RecordingError("byte 0: is no MCAP file")
+        raise RecordingError(f"{file.name}: is no MCAP file")
     place = len(magic)
     while True:
         head = file.read(HEAD)
         length = int.from_bytes(head[1:], "little")
         # a file system may leave zeros after a crash
         if len(head) < HEAD or place + HEAD + length > size or not any(head):
-            raise CutOffError(place)
+            yield place, None
+            return
         if head[0] == Opcode.DATA_END:
             return  # the index that follows is not needed
         if head[0] not in wanted:
             file.seek(length, os.SEEK_CUR)
         elif length > MAX_BYTES:
-            raise RecordingError(f"byte {place}: a record of {length} bytes; at most "
-                                 f"{MAX_BYTES} are read")  # fmt: skip
+            text = f"a record of {length} bytes; at most {MAX_BYTES} are read"
+            raise RecordingError(f"{file.name}, byte {place}: {text}")
         else:
             yield place, head + file.read(length)
         place += HEAD + length
 
 
-def _unpack(packed: bytes) -> list[Any]:
+class Unpacker:
+    """Unpacks the records of one file, which follow each other, into messages.
+
+    Attributes
+    ----------
+    counts : Counter
+        How many messages were unpacked, by channel.
+    """
+
+    def __init__(self) -> None:
+        self.counts: Counter[int] = Counter()
+        self._channels: dict[int, Any] = {}
+        self._numbered = False  # igrip numbers the messages of each channel from 1
+
+    def unpack(self, packed: bytes) -> list[Record]:
+        """Return the messages in one record; whatever it raises, the record is damaged."""
+        from mcap.records import Channel, Header, Message
+
+        messages = []
+        for item in _items(packed):
+            if isinstance(item, Channel):
+                self._channels[item.id] = item
+            elif isinstance(item, Header):
+                self._numbered = item.library.startswith("igrip ")
+            elif isinstance(item, Message):
+                messages.append(self._message(item))
+        return messages
+
+    def _message(self, item: Any) -> Record:
+        channel = self._channels.get(item.channel_id)
+        if channel is None:
+            raise RecordingError(f"a message of an unknown channel, {item.channel_id}")
+        number = self.counts[channel.id] + 1
+        if self._numbered and item.sequence != number:
+            raise RecordingError(
+                f"damaged: of {channel.topic}, message {item.sequence} follows {number - 1}"
+            )
+        self.counts[channel.id] = number
+        return Record(channel.topic, number, item.log_time / 1e9, item.data, channel.metadata)
+
+
+def _items(packed: bytes) -> list[Any]:
     """Return the records inside a chunk; of any other record, the record itself."""
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader, breakup_chunk
@@ -135,12 +124,13 @@ def _unpack(packed: bytes) -> list[Any]:
     reader = StreamReader(BytesIO(packed), skip_magic=True, emit_chunks=True)
     record = next(iter(reader.records))
     if isinstance(record, Chunk):
-        return list(breakup_chunk(_bounded(record), validate_crc=True))
+        _bound(record)
+        return list(breakup_chunk(record, validate_crc=True))
     return [record]
 
 
-def _bounded(chunk: Any) -> Any:
-    """Return a chunk, if it does not unpack to more than it may."""
+def _bound(chunk: Any) -> None:
+    """Refuse a chunk that unpacks to more than it may."""
     size = max(chunk.uncompressed_size, len(chunk.data))
     if chunk.compression == "zstd":
         import zstandard
@@ -154,4 +144,3 @@ def _bounded(chunk: Any) -> Any:
         chunk.data, chunk.compression = unpacked, ""
     if size > MAX_BYTES:
         raise RecordingError(f"a chunk of {size} bytes; at most {MAX_BYTES} are read")
-    return chunk

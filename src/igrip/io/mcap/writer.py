@@ -11,17 +11,16 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import msgspec
 
 from igrip.errors import RecordingError, requires_extra
-from igrip.io.files import CrashSafeFile
+from igrip.io.files import CrashSafeFile, RecordingWriter
 from igrip.io.mcap import foxglove
 from igrip.io.mcap.messages import Detections, Event, Message, schema_of, topic_of
 from igrip.rgbd import RgbdFrame
@@ -34,7 +33,7 @@ CHUNK = 8 << 20  # bytes; large, so that a flush ends a chunk and few chunks are
 REPEAT_EVERY = 1.0  # s; calibration and place are repeated, for readers that seek
 
 
-class McapWriter:
+class McapWriter(RecordingWriter):
     """Write frames and messages to an ``.mcap`` file, from one or several threads.
 
     Twice a second the writer flushes its data, and a background thread syncs them to the disk, so a
@@ -53,7 +52,8 @@ class McapWriter:
     Raises
     ------
     RecordingError
-        If the file cannot be opened; while writing, if the disk is full or fails.
+        If the file cannot be opened; while writing, if the disk is full or fails, now or since the
+        last call.
     MissingExtraError
         If the package ``mcap`` is not installed.
 
@@ -78,7 +78,7 @@ class McapWriter:
         self._lock = threading.Lock()  # of the writer, the sink and all below
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
-        self._counts: dict[str, int] = defaultdict(int)
+        self._counts: Counter[str] = Counter()
         self._settled: dict[str, tuple[float, Any]] = {}
         self._failure: RecordingError | None = None
         self._raised = self._unflushed = False
@@ -103,13 +103,7 @@ class McapWriter:
         return self._sink.tell()
 
     def write(self, message: Message, **more: Any) -> None:
-        """Append one message, with further fields in its JSON.
-
-        Raises
-        ------
-        RecordingError
-            If the disk is full or fails, now or since the last call.
-        """
+        """Append one message, with further fields in its JSON."""
         data = message.to_json()
         if more:
             data = msgspec.json.encode(msgspec.json.decode(data) | more)
@@ -119,13 +113,7 @@ class McapWriter:
             self._put(f"/{message.camera}/annotations", message.t, annotations)
 
     def write_frame(self, frame: RgbdFrame) -> None:
-        """Append one frame, encoded in the calling thread.
-
-        Raises
-        ------
-        RecordingError
-            If the disk is full or fails, now or since the last call.
-        """
+        """Append one frame, encoded in the calling thread."""
         if frame.camera.strip("/") != frame.camera or not frame.camera:
             raise RecordingError(f"{self.path}: a camera cannot be named {frame.camera!r}")
         colour = foxglove.encode_colour(frame, self._lossless)
@@ -166,19 +154,11 @@ class McapWriter:
                 self._raised = True
                 raise self._failure
 
-    def __enter__(self) -> McapWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         try:
             self.close()
         except RecordingError:
-            if error is None:  # else that error is raised, which may be this one
+            if exception[0] is None:  # else that error is raised, which may be this one
                 raise
 
     def _put(self, topic: str, t: float, data: bytes) -> None:
@@ -196,9 +176,8 @@ class McapWriter:
         self._counts[topic] += 1  # a gap shows a reader what was lost
         self._writer.add_message(channel, ns, data, ns, self._counts[topic])
         self._unflushed = True
-        if (
-            time.monotonic() - self._flushed >= FLUSH_EVERY
-        ):  # the thread may be waiting for the disk
+        # here too, since the thread may be waiting for the disk
+        if time.monotonic() - self._flushed >= FLUSH_EVERY:
             self._flush()
 
     def _flush(self) -> None:
@@ -206,24 +185,18 @@ class McapWriter:
         self._unflushed, self._flushed = False, time.monotonic()
 
     def _register(self, topic: str) -> int:
-        kinds = {
-            "calibration": "CameraCalibration",
-            "annotations": "ImageAnnotations",
-            "tf": "FrameTransform",
-        }
-        last = topic.rpartition("/")[2]
-        if topic.count("/") > 1 or topic == "/tf":
-            kind = foxglove.schema(kinds.get(last, "CompressedImage"))
-            name, encoding, description, form = kind.name, "protobuf", kind.description, "protobuf"
+        kind = topic.rpartition("/")[2]
+        if kind in foxglove.TYPES:
+            name, description, _ = foxglove.schema(foxglove.TYPES[kind])
+            encoding = form = "protobuf"
         else:
             (name, description), encoding, form = schema_of(topic), "jsonschema", "json"
         if name not in self._schemas:
             self._schemas[name] = self._writer.register_schema(name, encoding, description)
-        more = {"depth_unit_m": repr(self._unit)} if last == "depth" else {}
-        self._channels[topic] = self._writer.register_channel(
-            topic, form, self._schemas[name], more
-        )
-        return self._channels[topic]
+        metadata = {"depth_unit_m": repr(self._unit)} if kind == "depth" else {}
+        channel: int = self._writer.register_channel(topic, form, self._schemas[name], metadata)
+        self._channels[topic] = channel
+        return channel
 
     def _do(self, step: Callable[[], Any]) -> None:
         """Run one step of the writer; after an error the file is as it was before the step."""

@@ -5,37 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Protocol, Self
 
 from igrip.errors import RecordingError, UnknownNameError
-from igrip.intention import Intention
+from igrip.io.files import RecordingWriter
 from igrip.observation import Observation
 from igrip.registry import Registry
 
 Source = Iterable[Observation]
 OpenSource = Callable[[str], Source]
-
-
-class Writer(Protocol):
-    """An open recording to which messages are appended; a context manager."""
-
-    def write(self, message: Observation | Intention, **more: Any) -> None:
-        """Append one message, with further fields in its JSON."""
-        ...
-
-    def close(self) -> None:
-        """Finish the file."""
-        ...
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -52,7 +29,7 @@ class RecordingFormat:
     """
 
     reader: Callable[[str], Source]
-    writer: Callable[[str], Writer]
+    writer: Callable[[str], RecordingWriter]
 
     def __call__(self, path: str) -> Source:
         """Open a file for reading."""
@@ -88,7 +65,7 @@ def open_source(name: str | Path) -> Source:
     return source(rest)
 
 
-def open_writer(name: str | Path) -> Writer:
+def open_writer(name: str | Path) -> RecordingWriter:
     """Open a file for messages; an existing file is replaced.
 
     Parameters

@@ -4,34 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import msgspec
 
 from igrip.errors import ObservationError, RecordingError
 from igrip.intention import Intention
-from igrip.io.files import CrashSafeFile, RecordingFile, decode
+from igrip.io.files import CrashSafeFile, RecordingReader, RecordingWriter, decode
 from igrip.io.recordings import SOURCES, RecordingFormat
 from igrip.observation import Observation
 
 
-class JsonlReader(RecordingFile):
+class JsonlReader(RecordingReader):
     """The observations of a ``.jsonl`` file, in order; may be iterated again.
 
-    A file that was cut off in the middle of its last line (a full disk, a killed recorder) yields
-    everything before the cut; :attr:`cut` then says where it was, and a warning is logged.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    RecordingError
-        If the file cannot be opened; while iterating, if a whole line is malformed (file, line and
-        field are named).
+    A file that was cut off in the middle of its last line yields everything before the cut;
+    :attr:`cut` then says where it was, and a warning is logged.
     """
 
     def __iter__(self) -> Iterator[Observation]:
@@ -52,7 +40,7 @@ class JsonlReader(RecordingFile):
                 yield observation
 
 
-class JsonlWriter:
+class JsonlWriter(RecordingWriter):
     """Write messages to a ``.jsonl`` file; a crash costs at most the line being written.
 
     Parameters
@@ -70,20 +58,7 @@ class JsonlWriter:
         self._file = CrashSafeFile(path)
 
     def write(self, message: Observation | Intention, **more: Any) -> None:
-        """Append one message; it has left the process when this returns.
-
-        Parameters
-        ----------
-        message : Observation or Intention
-            The message.
-        **more
-            Further fields of its line.
-
-        Raises
-        ------
-        RecordingError
-            If the disk is full or fails.
-        """
+        """Append one message; it has left the process when this returns."""
         line = msgspec.json.encode(message.to_dict() | more) if more else message.to_json()
         try:
             self._file.write(line + b"\n")
@@ -93,17 +68,6 @@ class JsonlWriter:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def __enter__(self) -> JsonlWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 SOURCES.register("jsonl")(RecordingFormat(JsonlReader, JsonlWriter))
