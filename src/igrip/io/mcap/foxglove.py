@@ -25,6 +25,7 @@ TYPES = {  # of the messages of each kind of topic
     "colour": "CompressedImage", "depth": "CompressedImage", "calibration": "CameraCalibration",
     "tf": "FrameTransform", "annotations": "ImageAnnotations",
 }  # fmt: skip
+GREEN = {"r": 0.1, "g": 0.9, "b": 0.4, "a": 1.0}
 DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
 JPEG_QUALITY = 90
 MAX_PIXELS = 1 << 26  # of a picture that is read; those of cameras have some 2^20
@@ -79,10 +80,14 @@ def nanoseconds(t: float) -> int:
     return round(min(max(t, 0.0), 1.8e10) * 1e9)
 
 
-def _stamp(message: Any, t: float) -> Any:
+def _encode(kind: str, t: float, **fields: Any) -> bytes:
+    message = schema(kind).message(timestamp=_timestamp(t), **fields)
+    return bytes(message.SerializeToString())
+
+
+def _timestamp(t: float) -> dict[str, int]:
     ns = min(nanoseconds(t), 253402300799 * 10**9)  # the last moment protobuf knows
-    message.timestamp.seconds, message.timestamp.nanos = divmod(ns, 10**9)
-    return message
+    return {"seconds": ns // 10**9, "nanos": ns % 10**9}
 
 
 def encode_colour(frame: RgbdFrame, lossless: bool = False, quality: int = JPEG_QUALITY) -> bytes:
@@ -91,7 +96,7 @@ def encode_colour(frame: RgbdFrame, lossless: bool = False, quality: int = JPEG_
     bgr = cv2.cvtColor(frame.colour, cv2.COLOR_RGB2BGR)
     options = [cv2.IMWRITE_PNG_COMPRESSION, 1] if lossless else [cv2.IMWRITE_JPEG_QUALITY, quality]
     _, data = cv2.imencode(".png" if lossless else ".jpg", bgr, options)
-    return _picture(frame, data, "png" if lossless else "jpeg")
+    return _encode_picture(frame, data, "png" if lossless else "jpeg")
 
 
 def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
@@ -103,60 +108,54 @@ def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
     counts[~((counts >= 0) & (counts < 65536))] = 0  # NaN too
     options = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_SUB]
     _, data = cv2.imencode(".png", counts.astype(np.uint16), options)
-    return _picture(frame, data, "png")
+    return _encode_picture(frame, data, "png")
 
 
-def _picture(frame: RgbdFrame, data: NDArray[np.uint8], form: str) -> bytes:
-    message = _stamp(schema("CompressedImage").message(), frame.t)
-    message.frame_id, message.data, message.format = frame.camera, data.tobytes(), form
-    return bytes(message.SerializeToString())
+def _encode_picture(frame: RgbdFrame, data: NDArray[np.uint8], form: str) -> bytes:
+    return _encode(
+        "CompressedImage", frame.t, frame_id=frame.camera, data=data.tobytes(), format=form
+    )
 
 
 def encode_calibration(frame: RgbdFrame) -> bytes:
     """Return the intrinsics of a frame as a message."""
-    message = _stamp(schema("CameraCalibration").message(), frame.t)
-    own = frame.intrinsics
-    message.frame_id, message.width, message.height = frame.camera, own.width, own.height
-    message.distortion_model = "plumb_bob"
-    message.D.extend([0.0] * 5)
-    message.K.extend(own.matrix.ravel().tolist())
-    message.R.extend(np.eye(3).ravel().tolist())
-    message.P.extend(np.column_stack([own.matrix, np.zeros(3)]).ravel().tolist())
-    return bytes(message.SerializeToString())
+    camera = frame.intrinsics
+    k = camera.matrix
+    return _encode(
+        "CameraCalibration", frame.t, frame_id=frame.camera, width=camera.width,
+        height=camera.height, distortion_model="plumb_bob", D=[0.0] * 5, K=k.ravel().tolist(),
+        R=np.eye(3).ravel().tolist(), P=np.column_stack([k, np.zeros(3)]).ravel().tolist(),
+    )  # fmt: skip
 
 
-def encode_place(frame: RgbdFrame) -> bytes:
+def encode_transform(frame: RgbdFrame) -> bytes:
     """Return the pose of a frame's camera in the world as a message."""
-    message = _stamp(schema("FrameTransform").message(), frame.t)
-    message.parent_frame_id, message.child_frame_id = WORLD, frame.camera
-    x, y, z = frame.world_from_camera[:3, 3].tolist()
-    message.translation.x, message.translation.y, message.translation.z = x, y, z
-    a, b, c, w = Rotation.from_matrix(frame.world_from_camera[:3, :3]).as_quat().tolist()
-    turn = message.rotation
-    turn.x, turn.y, turn.z, turn.w = a, b, c, w
-    return bytes(message.SerializeToString())
+    pose = frame.world_from_camera
+    quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+    return _encode(
+        "FrameTransform", frame.t, parent_frame_id=WORLD, child_frame_id=frame.camera,
+        translation=dict(zip("xyz", pose[:3, 3].tolist(), strict=True)),
+        rotation=dict(zip("xyzw", quaternion, strict=True)),
+    )  # fmt: skip
 
 
 def encode_annotations(detections: Detections) -> bytes:
     """Return the detected hands as points and labels that a viewer draws over the picture."""
-    kind = schema("ImageAnnotations").message
-    message = _stamp(kind(), detections.t)
+    points, texts = [], []
+    time = _timestamp(detections.t)
     for hand in detections.hands:
-        dots = _stamp(message.points.add(), detections.t)
-        dots.type, dots.thickness = dots.POINTS, 4.0
-        for u, v in hand.landmarks:
-            dots.points.add(x=u, y=v)
-        _paint(dots.outline_color)
-        if hand.landmarks:
-            label = _stamp(message.texts.add(), detections.t)
-            label.position.x, label.position.y = hand.landmarks[0]
-            label.text, label.font_size = f"{hand.label or 'hand'} {hand.score:.0%}", 16.0
-            _paint(label.text_color)
-    return bytes(message.SerializeToString())
-
-
-def _paint(colour: Any) -> None:
-    colour.r, colour.g, colour.b, colour.a = 0.1, 0.9, 0.4, 1.0
+        landmarks = [{"x": u, "y": v} for u, v in hand.landmarks]
+        points.append({
+            "timestamp": time, "type": "POINTS", "thickness": 4.0, "points": landmarks,
+            "outline_color": GREEN,
+        })  # fmt: skip
+        if landmarks:
+            text = f"{hand.label or 'hand'} {hand.score:.0%}"
+            texts.append({
+                "timestamp": time, "position": landmarks[0], "text": text, "font_size": 16.0,
+                "text_color": GREEN,
+            })  # fmt: skip
+    return _encode("ImageAnnotations", detections.t, points=points, texts=texts)
 
 
 def decode_picture(data: bytes) -> NDArray[Any]:
@@ -222,17 +221,17 @@ def decode_calibration(data: bytes) -> Intrinsics:
     return Intrinsics(message.width, message.height, k[0], k[4], k[2], k[5])
 
 
-def decode_place(data: bytes) -> tuple[str, Array]:
+def decode_transform(data: bytes) -> tuple[str, Array]:
     """Return the name of a camera and its world_from_camera, shape (4, 4)."""
     message = _parse("FrameTransform", data)
-    at, turn = message.translation, message.rotation
-    place = np.eye(4)
-    place[:3, 3] = at.x, at.y, at.z
-    quaternion = np.array([turn.x, turn.y, turn.z, turn.w])
-    if not np.isfinite(place).all() or not 0.5 < np.linalg.norm(quaternion) < 2.0:
+    position, rotation = message.translation, message.rotation
+    pose = np.eye(4)
+    pose[:3, 3] = position.x, position.y, position.z
+    quaternion = np.array([rotation.x, rotation.y, rotation.z, rotation.w])
+    if not np.isfinite(pose).all() or not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise RecordingError("rotation: must be a unit quaternion, and the translation finite")
-    place[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
-    return str(message.child_frame_id), place
+    pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    return str(message.child_frame_id), pose
 
 
 def _parse(kind: str, data: bytes) -> Any:

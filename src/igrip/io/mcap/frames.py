@@ -13,11 +13,11 @@ from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 
 class FrameAssembler:
-    """Remembers depth, calibration and place of each camera until a colour picture needs them."""
+    """Keeps depth, calibration and pose of each camera until a colour picture completes a frame."""
 
     def __init__(self) -> None:
         self._calibrations: dict[str, Intrinsics] = {}
-        self._places: dict[str, Array] = {}
+        self._poses: dict[str, Array] = {}
         self._depths: dict[str, tuple[float, Any]] = {}
         self._last: dict[str, float] = {}
 
@@ -31,8 +31,8 @@ class FrameAssembler:
         """
         camera, _, kind = record.topic[1:].rpartition("/")
         if record.topic == "/tf":
-            name, place = foxglove.decode_place(record.data)
-            self._places[name] = place
+            name, pose = foxglove.decode_transform(record.data)
+            self._poses[name] = pose
         elif kind == "calibration":
             self._calibrations[camera] = foxglove.decode_calibration(record.data)
         elif kind == "depth":
@@ -55,8 +55,8 @@ class FrameAssembler:
         if colour.shape != (*shape, 3) or (depth is not None and depth.shape != shape):
             raise RecordingError(f"data: {colour.shape[1]} × {colour.shape[0]}, but the "
                                  f"calibration says {shape[1]} × {shape[0]}")  # fmt: skip
-        place = self._places.get(camera, np.eye(4))
-        return RgbdFrame(record.t, colour, depth, intrinsics, camera, place)
+        pose = self._poses.get(camera, np.eye(4))
+        return RgbdFrame(record.t, colour, depth, intrinsics, camera, pose)
 
 
 def _depth(record: Record) -> Any:

@@ -122,7 +122,7 @@ class McapWriter(RecordingWriter):
         since, settled = self._settled.get(frame.camera, (0.0, None))
         if settled != place or not 0.0 <= frame.t - since < REPEAT_EVERY:
             self._settled[frame.camera] = frame.t, place
-            self._put("/tf", frame.t, foxglove.encode_place(frame))
+            self._put("/tf", frame.t, foxglove.encode_transform(frame))
             topic = f"/{frame.camera}/calibration"
             self._put(topic, frame.t, foxglove.encode_calibration(frame))
         if depth is not None:  # before colour, which completes a frame
