@@ -48,7 +48,7 @@ def import_tables(
         typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.", min=0),
     ] = 0,
     participants: Annotated[
-        Path | None, typer.Option(help="Only these people: a file with one id a line.")
+        Path | None, typer.Option(help="Only these participants: a file with one id per line.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:

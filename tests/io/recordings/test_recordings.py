@@ -47,14 +47,15 @@ def test_a_format_reads_and_writes_files_with_any_ending(tmp_path, form, reader,
 
 
 @pytest.mark.parametrize("name", ["reach.txt", "reach", "ws://host:1", "oak:", "", ".", "jsonl"])
-@pytest.mark.parametrize("open_it", [igrip.open_source, open_writer])
-def test_unknown_endings_and_schemes(tmp_path, monkeypatch, name, open_it):
+@pytest.mark.parametrize(
+    ("open_it", "family"), [(igrip.open_source, "source"), (open_writer, "recording format")]
+)
+def test_unknown_endings_and_schemes(tmp_path, monkeypatch, name, open_it, family):
     """Nothing is read or written as a guess; the error lists what is valid."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UnknownNameError) as raised:
         open_it(name)
-    assert raised.value.family == "source"
-    assert raised.value.name == name
+    assert (raised.value.family, raised.value.name) == (family, name)
     assert {".jsonl", ".mcap", "jsonl:…"} <= set(raised.value.choices)
     assert ".jsonl, .mcap, jsonl:…" in str(raised.value)
     assert not list(tmp_path.iterdir())

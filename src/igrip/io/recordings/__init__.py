@@ -61,7 +61,7 @@ def open_source(name: str | Path) -> Source:
     RecordingError
         If a recording cannot be opened.
     """
-    source, rest = _find(name)
+    source, rest = _find(name, "source")
     return source(rest)
 
 
@@ -80,13 +80,13 @@ def open_writer(name: str | Path) -> RecordingWriter:
     RecordingError
         If the file cannot be opened.
     """
-    source, rest = _find(name)
+    source, rest = _find(name, "recording format")
     if not isinstance(source, RecordingFormat):
         raise RecordingError(f"{name}: this source can only be read")
     return source.writer(rest)
 
 
-def _find(name: str | Path) -> tuple[OpenSource, str]:
+def _find(name: str | Path, family: str) -> tuple[OpenSource, str]:
     """Return the source that a name asks for, and what the source opens."""
     text = str(name)
     known = SOURCES.names()
@@ -97,5 +97,5 @@ def _find(name: str | Path) -> tuple[OpenSource, str]:
     ending = Path(text).suffix.lower().removeprefix(".")
     if ending not in known:
         choices = [f".{other}" for other in known] + [f"{other}:…" for other in known]
-        raise UnknownNameError("source", text, choices)
+        raise UnknownNameError(family, text, choices)
     return SOURCES.get(ending), text
