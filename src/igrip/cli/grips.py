@@ -11,8 +11,8 @@ import typer
 from igrip.cli.console import errors, output, print_json
 from igrip.config import Config
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
+from igrip.viewer.grip_figure import draw_grip_zones
 from igrip.viewer.grip_page import GripPage
-from igrip.viewer.grip_zones import draw_grip_zones
 
 
 def grips(

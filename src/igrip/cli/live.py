@@ -20,7 +20,7 @@ from igrip.config import Config
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.io.recordings.files import open_writer
+from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.pipeline.pipeline import Pipeline
@@ -29,7 +29,7 @@ from igrip.perception.poses import parse_options
 from igrip.runtime.access import Access
 from igrip.runtime.loop import Loop
 from igrip.runtime.outputs.stdout import StdoutOutput
-from igrip.viewer.camera_panel import PicturePanel, Seen
+from igrip.viewer.camera_panel import CameraPanel, CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -211,7 +211,7 @@ def _run(
     quiet: bool,
 ) -> None:  # fmt: skip
     screen = Live(console=errors, refresh_per_second=4, transient=True)
-    panel = PicturePanel(viewer.server) if viewer is not None else None
+    panel = CameraPanel(viewer.server) if viewer is not None else None
     on_screen = errors.is_terminal and not quiet
     if on_screen:
         screen.start()
@@ -226,7 +226,7 @@ def _run(
 
 
 def _looker(
-    loop: Loop, chain: Pipeline, viewer: Viewer | None, panel: PicturePanel | None,
+    loop: Loop, chain: Pipeline, viewer: Viewer | None, panel: CameraPanel | None,
     screen: Live | None, seconds: float | None, notes: Notes,
 ) -> Callable[[list[Intention]], None]:  # fmt: skip
     """Return what is done after each update: nothing of it waits."""
@@ -243,7 +243,7 @@ def _looker(
             viewer.show(take_snapshot(estimator))
             told = list(estimator.latest.values())
             panel.show({
-                camera: Seen(found.frame, found.landmarks, estimator.objects, told)
+                camera: CameraView(found.frame, found.landmarks, estimator.objects, told)
                 for camera, found in chain.latest_hands().items()
             })  # fmt: skip
         if now >= due:
@@ -253,7 +253,7 @@ def _looker(
             if screen is not None:
                 screen.update(table_of(estimator.t, report, list(estimator.latest.values())))
             if panel is not None:
-                panel.tell(markdown_of(report))
+                panel.set_table(markdown_of(report))
 
     return look
 

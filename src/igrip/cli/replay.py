@@ -18,8 +18,7 @@ from igrip.errors import RecordingError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.recordings.files import open_writer
-from igrip.io.sources import open_source
+from igrip.io.recordings import open_source, open_writer
 from igrip.lab.evaluation.replay import TrialResult, run_dataset
 from igrip.objects.catalog import load_objects
 from igrip.targets import TARGETS

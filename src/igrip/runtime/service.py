@@ -114,10 +114,10 @@ class Service:
             except ObservationError as error:
                 self.inbox.count("refused")
                 self.answer(sender, error)
-                bad = [id for id in message.objects if error.field.startswith(f"objects.{id:.80}.")]
-                if not bad:
+                if error.object_id is None:
                     return
-                objects = {id: pose for id, pose in message.objects.items() if id not in bad}
+                objects = dict(message.objects)
+                del objects[error.object_id]
                 message = Observation(t=message.t, hands=dict(message.hands), objects=objects)
         self._updated = self._clock()
         self._tell(intentions, arrived)

@@ -16,7 +16,7 @@ from igrip.estimator import Estimator
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.io.recordings.files import open_recording
+from igrip.io.recordings import open_source
 from igrip.lab.evaluation.commitments import Curve, judge_commitments
 from igrip.lab.evaluation.processes import in_processes
 from igrip.lab.evaluation.trial_metrics import NO_REACH, Seen, coverage, describe_trial, judge
@@ -48,7 +48,7 @@ def evaluate_trial(
     problem: str | None = None
     cut: str | None = None
     try:
-        reader = open_recording(dataset.recording(trial))
+        reader = open_source(dataset.recording(trial))
         for observation in reader:
             seen.take(observation)
             for estimator, intentions, curve in zip(estimators, said, curves, strict=True):
@@ -56,7 +56,7 @@ def evaluate_trial(
                 curve.take(estimator.evidence, estimator.rejected_hands)
             if trial.onset_s is None or observation.t <= trial.onset_s or not layout:
                 layout = estimators[0].objects
-        cut = reader.cut
+        cut = getattr(reader, "cut", None)
         bounds = seen.bounds(trial) if trial.target != NO_REACH else None
         facts = describe_trial(trial, seen, bounds, layout)
     except IgripError as error:

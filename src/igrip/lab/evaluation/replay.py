@@ -13,7 +13,7 @@ from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.io.recordings.files import open_recording
+from igrip.io.recordings import open_source
 from igrip.lab.evaluation.processes import in_processes
 from igrip.lab.evaluation.trials import TrialScore, causal_accuracy, score_trial
 from igrip.objects.catalog import Catalog, load_objects
@@ -65,7 +65,7 @@ def run_trial(
     first = last = 0.0
     result = TrialResult(config.targets, trial)
     try:
-        reader = open_recording(dataset.recording(trial))
+        reader = open_source(dataset.recording(trial))
         estimator = Estimator(catalog, config)
         for number, observation in enumerate(reader):
             first = observation.t if number == 0 else first
@@ -75,7 +75,9 @@ def run_trial(
     except IgripError as error:
         return replace(result, problem=str(error)), intentions
     own = [intention for intention in intentions if intention.hand == trial.hand]
-    result = replace(result, frames=len(own), recorded=last - first, cut=reader.cut)
+    result = replace(
+        result, frames=len(own), recorded=last - first, cut=getattr(reader, "cut", None)
+    )
     if trial.target in (None, NEVER):
         return result, intentions  # nothing to compare with, and nothing wrong
     if trial.onset_s is None or trial.end_s is None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from igrip.config import Config
 from igrip.estimator import Estimator
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.io.recordings.files import open_recording
+from igrip.io.recordings import open_source
 from igrip.lab.evaluation.trials import score_trial
 from igrip.lab.report.matplotlib_figure import new_figure
 from igrip.objects.catalog import Catalog
@@ -60,7 +60,7 @@ def follow_trial(
     """Run an estimator over one trial again, and keep all it says of the task's hand."""
     estimator = Estimator(catalog, config)
     answers, speeds = [], []
-    for observation in open_recording(dataset.recording(trial)):
+    for observation in open_source(dataset.recording(trial)):
         for intention in estimator.update(observation):
             if intention.hand == trial.hand:
                 motion = estimator.hands[intention.hand].motion

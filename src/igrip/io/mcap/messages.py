@@ -1,4 +1,4 @@
-"""What an MCAP recording holds beside observations and intentions: events and detections."""
+"""The messages of an ``.mcap`` recording, with its own two types: events and detections."""
 
 from __future__ import annotations
 
@@ -15,39 +15,41 @@ OBSERVATIONS, INTENTIONS = "/observations", "/intentions"
 EVENTS, DETECTIONS = "/events", "/detections"
 
 
-class Event(msgspec.Struct, frozen=True, kw_only=True):
+class _Message(msgspec.Struct, frozen=True, kw_only=True):
+    def to_json(self) -> bytes:
+        """Return one line of JSON, without a line break."""
+        return msgspec.json.encode(self)
+
+
+class Event(_Message, frozen=True, kw_only=True):
     """Something that happened: a camera that stopped, a button, a trial that began.
 
     Parameters
     ----------
     t : float
-        When, on the clock of the messages [s].
+        Its time on the clock of the messages [s].
     name : str
-        What.
+        Its name.
     data : dict, optional
-        More about it, as JSON knows it.
+        Further data, of JSON's types.
     """
 
     t: float
     name: str
     data: dict[str, Any] = {}
 
-    def to_json(self) -> bytes:
-        """Return one line of JSON, without a line break."""
-        return msgspec.json.encode(self)
-
 
 class DetectedHand(msgspec.Struct, frozen=True, kw_only=True):
-    """A hand in a picture.
+    """A hand detected in a picture.
 
     Parameters
     ----------
     landmarks : list of 2 floats
-        In the picture [pixels], in the finder's order.
+        In the picture [pixels], in the detector's order.
     score : float
-        The finder's confidence, 0 to 1.
+        The detector's confidence, 0 to 1.
     label : str or None
-        The finder's guess of ``left`` or ``right``.
+        The detected handedness, ``left`` or ``right``.
     """
 
     landmarks: list[tuple[float, float]]
@@ -55,29 +57,25 @@ class DetectedHand(msgspec.Struct, frozen=True, kw_only=True):
     label: str | None = None
 
 
-class Detections(msgspec.Struct, frozen=True, kw_only=True):
-    """What was found in one frame of one camera.
+class Detections(_Message, frozen=True, kw_only=True):
+    """The hands and objects detected in one frame of one camera.
 
     Parameters
     ----------
     t : float
         Time of exposure of the frame [s].
     camera : str
-        Whose frame.
+        Name of the camera.
     hands : list of DetectedHand
-        The surest first.
+        With the highest score first.
     objects : dict
-        Poses in the world frame by id; None: looked for and not there.
+        Poses in the world frame by id; None: looked for and not detected.
     """
 
     t: float
     camera: str
     hands: list[DetectedHand] = []
     objects: dict[str, ObjectPose | None] = {}
-
-    def to_json(self) -> bytes:
-        """Return one line of JSON, without a line break."""
-        return msgspec.json.encode(self)
 
 
 Message = Observation | Intention | Event | Detections
@@ -91,18 +89,18 @@ _TOPICS: Mapping[type[Any], str] = {
 
 
 def topic_of(message: Message) -> str:
-    """Return the topic a message belongs to."""
+    """Return the topic of a message."""
     return _TOPICS[type(message)]
 
 
 def schema_of(topic: str) -> tuple[str, bytes]:
-    """Return name and JSON schema of the messages of a topic.
+    """Return the name and the JSON schema of the messages of a topic.
 
-    It says ``"type": "object"`` at its root, as readers such as Foxglove ask, and not only behind
-    a reference.
+    The schema has ``"type": "object"`` at its root, as Foxglove and other readers require, not only
+    behind a reference.
     """
     kind = next(kind for kind, name in _TOPICS.items() if name == topic)
-    # an Observation is no struct, so it makes its own
+    # an Observation is no struct and makes its own schema
     schema = kind.json_schema() if kind is Observation else msgspec.json.schema(kind)
     root = schema["$defs"][schema["$ref"].rpartition("/")[2]]
     return f"igrip.{kind.__name__}", msgspec.json.encode({**root, "$defs": schema["$defs"]})

@@ -1,4 +1,4 @@
-"""What a person chooses on the page: which hand, which estimator, which panels."""
+"""The display options on the page: the hand, the estimator and the panels to show."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from igrip.targets import TARGETS
 ALL = "all"
 
 
-class Choices:
-    """The folder of choices.
+class DisplayOptions:
+    """The folder of display options.
 
     Parameters
     ----------
     server : viser.ViserServer
         Of the page.
     targets : str or None
-        Name of the estimator that is at work.
+        Name of the current estimator.
     choose_targets : function or None
-        Called with the name of another; without it there is no such choice.
-    changed : function
-        Called when something else is to be shown.
+        Called with the name of another; without it the estimator cannot be changed.
+    on_change : function
+        Called when another hand, panel or part of the scene is to be shown.
     """
 
     def __init__(
@@ -30,14 +30,14 @@ class Choices:
         server: Any,
         targets: str | None,
         choose_targets: Callable[[str], None] | None,
-        changed: Callable[[], None],
+        on_change: Callable[[], None],
     ) -> None:
         self._gui = server.gui
-        self._changed = changed
+        self._on_change = on_change
         self._panels: dict[str, Any] = {}
         with self._gui.add_folder("Show"):
             self._hand = self._gui.add_dropdown("hand", (ALL,), hint="whose path and time courses")
-            self._hand.on_update(lambda _: changed())
+            self._hand.on_update(lambda _: on_change())
             if targets is not None and choose_targets is not None:
                 box = self._gui.add_dropdown(
                     "targets", tuple(TARGETS.names()), initial_value=targets,
@@ -47,7 +47,7 @@ class Choices:
             elif targets is not None:
                 self._gui.add_text("targets", targets, disabled=True)
             self._rays = self._gui.add_checkbox("rays", True)
-            self._rays.on_update(lambda _: changed())
+            self._rays.on_update(lambda _: on_change())
             self._boxes = self._gui.add_folder("panels", expand_by_default=False)
 
     @property
@@ -57,25 +57,25 @@ class Choices:
 
     @property
     def rays(self) -> bool:
-        """Whether rays are drawn."""
+        """Whether to draw rays."""
         return bool(self._rays.value)
 
     @property
     def hidden(self) -> list[str]:
-        """Panels of time courses that are not wanted."""
+        """The panels of time courses to hide."""
         return [name for name, box in self._panels.items() if not box.value]
 
-    def offer(self, hands: Sequence[str]) -> None:
-        """Let these hands be chosen, and the one that is."""
+    def set_hands(self, hands: Sequence[str]) -> None:
+        """Offer these hands, and the chosen one."""
         options = (ALL, *sorted({*hands} | ({self._hand.value} - {ALL})))
         if options != tuple(self._hand.options):
             self._hand.options = options
 
-    def offer_panels(self, names: Sequence[str]) -> None:
-        """Let these panels be shown or hidden."""
+    def add_panels(self, names: Sequence[str]) -> None:
+        """Offer to hide these panels."""
         for name in names:
             if name not in self._panels:
                 with self._boxes:
                     box = self._gui.add_checkbox(name.replace("_", " "), True)
-                box.on_update(lambda _: self._changed())
+                box.on_update(lambda _: self._on_change())
                 self._panels[name] = box

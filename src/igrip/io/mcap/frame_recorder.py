@@ -1,4 +1,4 @@
-"""Recording frames as they come: what cannot be written in time is dropped and counted."""
+"""Recording camera frames live: frames that cannot be written in time are dropped and counted."""
 
 from __future__ import annotations
 
@@ -6,35 +6,35 @@ import queue
 import threading
 
 from igrip.errors import IgripError, RecordingError
-from igrip.io.recordings.mcap_writer import McapWriter
+from igrip.io.mcap.writer import McapWriter
 from igrip.rgbd import RgbdFrame
 
-WAITING = 4  # frames of a camera; each is some MB
+MAX_WAITING = 4  # frames of one camera; each has some MB
 
 
-class Recorder:
-    """Encodes and writes frames in threads, one a camera, so that each camera's stay in order.
+class FrameRecorder:
+    """Encode and write frames in one thread per camera, so that each camera's stay in order.
 
     Parameters
     ----------
     writer : McapWriter
-        Where to; it may be given messages meanwhile, and is not closed here.
+        Where to write; others may write messages to it meanwhile, and close it afterwards.
 
     Attributes
     ----------
-    taken, dropped : int
-        How many frames were taken, and how many of them are lost.
+    received, dropped : int
+        How many frames were added, and how many of them were dropped.
     """
 
     def __init__(self, writer: McapWriter) -> None:
         self._writer = writer
-        self.taken = self.dropped = 0
+        self.received = self.dropped = 0
         self._queues: dict[str, queue.Queue[RgbdFrame | None]] = {}
         self._threads: list[threading.Thread] = []
         self._error: IgripError | None = None
 
-    def take(self, frame: RgbdFrame) -> bool:
-        """Take a frame over; return False if it is dropped because others still wait.
+    def add(self, frame: RgbdFrame) -> bool:
+        """Queue a frame for writing; return False if it was dropped because others still wait.
 
         Raises
         ------
@@ -43,13 +43,12 @@ class Recorder:
         """
         if self._error is not None:
             raise self._error
-        self.taken += 1
+        self.received += 1
         if frame.camera not in self._queues:
-            self._queues[frame.camera] = queue.Queue(WAITING)
-            self._threads.append(
-                threading.Thread(target=self._work, args=(self._queues[frame.camera],), daemon=True)
-            )
-            self._threads[-1].start()
+            waiting = self._queues[frame.camera] = queue.Queue(MAX_WAITING)
+            thread = threading.Thread(target=self._write_frames, args=(waiting,), daemon=True)
+            self._threads.append(thread)
+            thread.start()
         try:
             self._queues[frame.camera].put_nowait(frame)
         except queue.Full:
@@ -58,7 +57,7 @@ class Recorder:
         return True
 
     def close(self) -> None:
-        """Write what waits, and end.
+        """Write the waiting frames and stop.
 
         Raises
         ------
@@ -74,10 +73,10 @@ class Recorder:
         if self._error is not None:
             raise self._error
 
-    def _work(self, waiting: queue.Queue[RgbdFrame | None]) -> None:
+    def _write_frames(self, waiting: queue.Queue[RgbdFrame | None]) -> None:
         while (frame := waiting.get()) is not None:
             if self._error is not None:
-                continue  # take what waits off, so that nobody waits for room
+                continue  # empty the queue, so that nobody waits for room
             try:
                 self._writer.write_frame(frame)
             except IgripError as error:

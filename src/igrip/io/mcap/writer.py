@@ -1,9 +1,9 @@
-"""Recordings as MCAP: frames of cameras and messages in one file, whole up to the last half second.
+"""Writing ``.mcap`` recordings: camera frames and messages in one file.
 
 Topics: ``/CAMERA/colour``, ``/CAMERA/depth``, ``/CAMERA/calibration``, ``/CAMERA/annotations``,
 ``/tf`` (protobuf, as Foxglove draws them), ``/observations``, ``/intentions``, ``/events``,
-``/detections`` (JSON, each message the very line of a ``.jsonl``). Times are those of the data, on
-one monotonic clock.
+``/detections`` (JSON, each message the same line as in a ``.jsonl``). Times are those of the
+data, on one monotonic clock.
 """
 
 from __future__ import annotations
@@ -11,52 +11,49 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import msgspec
 
-from igrip.errors import MissingExtraError, RecordingError
-from igrip.io.recordings import foxglove
-from igrip.io.recordings.mcap_reader import McapReader
-from igrip.io.recordings.messages import Detections, Event, Message, schema_of, topic_of
-from igrip.io.recordings.sink import Sink
+from igrip.errors import RecordingError, requires_extra
+from igrip.io.files import CrashSafeFile, RecordingWriter
+from igrip.io.mcap import foxglove
+from igrip.io.mcap.messages import Detections, Event, Message, schema_of, topic_of
 from igrip.rgbd import RgbdFrame
 from igrip.version import __version__
 
-__all__ = ["McapReader", "McapWriter"]
-
 log = logging.getLogger(__name__)
 
-FLUSH_EVERY = 0.4  # s; so that with the work itself no more than half a second is lost
-CHUNK = 8 << 20  # bytes; so large that flushing makes the chunks, and few need an index in memory
-SETTLED = 1.0  # s; calibration and place are told again so often, for readers that seek
+FLUSH_EVERY = 0.4  # s; with the flush itself, at most half a second is lost
+CHUNK = 8 << 20  # bytes; large, so that a flush ends a chunk and few chunks are indexed in memory
+REPEAT_EVERY = 1.0  # s; calibration and place are repeated, for readers that seek
 
 
-class McapWriter:
-    """Writes frames and messages to an ``.mcap`` file; may be used from several threads.
+class McapWriter(RecordingWriter):
+    """Write frames and messages to an ``.mcap`` file, from one or several threads.
 
-    Twice a second all that was written leaves the process, and a thread of its own has it put on
-    the disk, so a crash or a kill costs at most half a second. After an error of the disk the file
-    is cut back to its last whole record and stays readable.
+    Twice a second the writer flushes its data, and a background thread syncs them to the disk, so a
+    crash or a kill costs at most half a second. After a disk error the file is cut back to its last
+    whole record and stays readable.
 
     Parameters
     ----------
     path : str or Path
         The file; an existing one is replaced.
     depth_unit : float
-        What one count of a depth picture means [m]; depths beyond 65535 of it become 0.
+        Length of one count of a depth picture [m]; depths beyond 65535 counts become 0.
     lossless : bool
-        Whether colour is PNG (several times larger, and slower) instead of JPEG.
+        Whether to write colour as PNG (slower, and several times larger) instead of JPEG.
 
     Raises
     ------
     RecordingError
-        If the file cannot be opened; while writing, if the disk is full or fails.
+        If the file cannot be opened; while writing, if the disk is full or fails, now or since the
+        last call.
     MissingExtraError
         If the package ``mcap`` is not installed.
 
@@ -73,20 +70,18 @@ class McapWriter:
         depth_unit: float = foxglove.DEPTH_UNIT,
         lossless: bool = False,
     ) -> None:
-        try:
+        with requires_extra("mcap", "mcap", "MCAP recordings"):
             from mcap.writer import Writer
-        except ImportError:
-            raise MissingExtraError("mcap", "mcap", "MCAP recordings") from None
         self.path = Path(path)
         self._unit, self._lossless = depth_unit, lossless
-        self._sink = Sink(path)
+        self._sink = CrashSafeFile(path)
         self._lock = threading.Lock()  # of the writer, the sink and all below
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
-        self._counts: dict[str, int] = defaultdict(int)
+        self._counts: Counter[str] = Counter()
         self._settled: dict[str, tuple[float, Any]] = {}
         self._failure: RecordingError | None = None
-        self._told = self._fresh = False
+        self._raised = self._unflushed = False
         self._flushed = time.monotonic()
         self._writer = Writer(self._sink, chunk_size=CHUNK)
         self._do(partial(self._writer.start, "", f"igrip {__version__}"))
@@ -108,38 +103,26 @@ class McapWriter:
         return self._sink.tell()
 
     def write(self, message: Message, **more: Any) -> None:
-        """Append one message; further fields are added to its JSON.
-
-        Raises
-        ------
-        RecordingError
-            If the disk is full or fails, now or since the last call.
-        """
+        """Append one message, with further fields in its JSON."""
         data = message.to_json()
         if more:
             data = msgspec.json.encode(msgspec.json.decode(data) | more)
         self._put(topic_of(message), message.t, data)
         if isinstance(message, Detections):
-            drawn = foxglove.encode_annotations(message)
-            self._put(f"/{message.camera}/annotations", message.t, drawn)
+            annotations = foxglove.encode_annotations(message)
+            self._put(f"/{message.camera}/annotations", message.t, annotations)
 
     def write_frame(self, frame: RgbdFrame) -> None:
-        """Append one frame; it is encoded in the thread that calls.
-
-        Raises
-        ------
-        RecordingError
-            If the disk is full or fails, now or since the last call.
-        """
+        """Append one frame, encoded in the calling thread."""
         if frame.camera.strip("/") != frame.camera or not frame.camera:
             raise RecordingError(f"{self.path}: a camera cannot be named {frame.camera!r}")
         colour = foxglove.encode_colour(frame, self._lossless)
         depth = None if frame.depth is None else foxglove.encode_depth(frame, self._unit)
         place = (frame.intrinsics, frame.world_from_camera.tobytes())
         since, settled = self._settled.get(frame.camera, (0.0, None))
-        if settled != place or not 0.0 <= frame.t - since < SETTLED:
+        if settled != place or not 0.0 <= frame.t - since < REPEAT_EVERY:
             self._settled[frame.camera] = frame.t, place
-            self._put("/tf", frame.t, foxglove.encode_place(frame))
+            self._put("/tf", frame.t, foxglove.encode_transform(frame))
             topic = f"/{frame.camera}/calibration"
             self._put(topic, frame.t, foxglove.encode_calibration(frame))
         if depth is not None:  # before colour, which completes a frame
@@ -156,34 +139,26 @@ class McapWriter:
         Raises
         ------
         RecordingError
-            If the disk failed and no call has told so yet.
+            If the disk failed and no call has raised it yet.
         """
         if self._closed.is_set():
             return
         self._closed.set()
         self._flusher.join()
         with self._lock:
-            for work in (self._writer.flush, self._writer.finish, self._sink.sync):
+            for step in (self._writer.flush, self._writer.finish, self._sink.sync):
                 if self._failure is None:
-                    self._do(work)
+                    self._do(step)
             self._sink.close()
-            if self._failure is not None and not self._told:
-                self._told = True
+            if self._failure is not None and not self._raised:
+                self._raised = True
                 raise self._failure
 
-    def __enter__(self) -> McapWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         try:
             self.close()
         except RecordingError:
-            if error is None:  # else what ended the work is told, which may be this
+            if exception[0] is None:  # else that error is raised, which may be this one
                 raise
 
     def _put(self, topic: str, t: float, data: bytes) -> None:
@@ -193,50 +168,43 @@ class McapWriter:
             if self._failure is None:
                 self._do(partial(self._add, topic, foxglove.nanoseconds(t), data))
             if self._failure is not None:
-                self._told = True
+                self._raised = True
                 raise self._failure
 
     def _add(self, topic: str, ns: int, data: bytes) -> None:
         channel = self._channels.get(topic) or self._register(topic)
-        self._counts[topic] += 1  # a gap in the sequence tells a reader what was lost
+        self._counts[topic] += 1  # a gap shows a reader what was lost
         self._writer.add_message(channel, ns, data, ns, self._counts[topic])
-        self._fresh = True
-        if time.monotonic() - self._flushed >= FLUSH_EVERY:  # the thread may wait for the disk
+        self._unflushed = True
+        # here too, since the thread may be waiting for the disk
+        if time.monotonic() - self._flushed >= FLUSH_EVERY:
             self._flush()
 
     def _flush(self) -> None:
         self._writer.flush()
-        self._fresh, self._flushed = False, time.monotonic()
+        self._unflushed, self._flushed = False, time.monotonic()
 
     def _register(self, topic: str) -> int:
-        kinds = {
-            "calibration": "CameraCalibration",
-            "annotations": "ImageAnnotations",
-            "tf": "FrameTransform",
-        }
-        last = topic.rpartition("/")[2]
-        if topic.count("/") > 1 or topic == "/tf":
-            kind = foxglove.schema(kinds.get(last, "CompressedImage"))
-            name, encoding, description, form = kind.name, "protobuf", kind.description, "protobuf"
+        kind = topic.rpartition("/")[2]
+        if kind in foxglove.TYPES:
+            name, description, _ = foxglove.schema(foxglove.TYPES[kind])
+            encoding = form = "protobuf"
         else:
             (name, description), encoding, form = schema_of(topic), "jsonschema", "json"
         if name not in self._schemas:
             self._schemas[name] = self._writer.register_schema(name, encoding, description)
-        more = {"depth_unit_m": repr(self._unit)} if last == "depth" else {}
-        self._channels[topic] = self._writer.register_channel(
-            topic, form, self._schemas[name], more
-        )
-        return self._channels[topic]
+        metadata = {"depth_unit_m": repr(self._unit)} if kind == "depth" else {}
+        channel: int = self._writer.register_channel(topic, form, self._schemas[name], metadata)
+        self._channels[topic] = channel
+        return channel
 
-    def _do(self, work: Callable[[], Any]) -> None:
-        """Have the writer do something; after an error the file is as it was before."""
+    def _do(self, step: Callable[[], Any]) -> None:
+        """Run one step of the writer; after an error the file is as it was before the step."""
         try:
-            work()
+            step()
             self._sink.mark()
         except OSError as error:
-            self._failure = RecordingError(
-                f"{self.path}: {error.strerror or error}; what was recorded before can be read"
-            )
+            self._failure = self._sink.failure(error)
             log.error(str(self._failure))
             self._cut_back()
         except BaseException:  # Ctrl-C in the middle of a record
@@ -247,7 +215,7 @@ class McapWriter:
     def _cut_back(self) -> None:
         try:
             self._sink.cut_back()
-        except OSError as error:  # the reader stops before a part of a record
+        except OSError as error:  # a reader stops before the broken record
             log.error(f"{self.path}: cannot be cut back: {error}")
 
     def _keep_flushing(self) -> None:
@@ -256,13 +224,13 @@ class McapWriter:
             with self._lock:
                 if self._failure is not None:
                     return
-                if self._fresh:
+                if self._unflushed:
                     self._do(self._flush)
             if self._sink.tell() == synced:
                 continue
             synced = self._sink.tell()
             try:
-                self._sink.sync()  # not under the lock: it may take long
+                self._sink.sync()  # without the lock, since it may take long
             except OSError as error:
                 with self._lock:
                     self._failure = RecordingError(f"{self.path}: {error.strerror or error}")

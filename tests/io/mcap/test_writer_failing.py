@@ -7,7 +7,8 @@ import pytest
 
 from igrip import Observation
 from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_writer import McapReader, McapWriter
+from igrip.io.mcap.reader import McapReader
+from igrip.io.mcap.writer import McapWriter
 
 
 def test_a_full_disk_leaves_a_readable_file(tmp_path):
@@ -76,10 +77,9 @@ def test_writing_to_a_closed_file(tmp_path):
 def test_an_idle_file_is_flushed_too(tmp_path):
     writer = McapWriter(tmp_path / "x.mcap")
     writer.write(Observation(t=1.0))
-    for _ in range(200):  # by the thread, some time after the last message
+    deadline = time.monotonic() + 60  # by the thread, some time after the last message
+    while not list(McapReader(tmp_path / "x.mcap")) and time.monotonic() < deadline:
         time.sleep(0.02)
-        if list(McapReader(tmp_path / "x.mcap")):
-            break
     assert list(McapReader(tmp_path / "x.mcap")) == [Observation(t=1.0)]
     writer.close()
 

@@ -1,12 +1,13 @@
-"""Frames of a camera as the messages that Foxglove and other readers of MCAP know, and back.
+"""Camera frames as the messages that Foxglove and other MCAP readers know, and back.
 
-Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 bits. Both belong to
-one ``foxglove.CameraCalibration``, and the camera stands in the world by a
-``foxglove.FrameTransform``. Hands that were found are drawn by ``foxglove.ImageAnnotations``.
+Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 bits. Both share one
+``foxglove.CameraCalibration``; a ``foxglove.FrameTransform`` places the camera in the world.
+``foxglove.ImageAnnotations`` draw the detected hands.
 """
 
 from __future__ import annotations
 
+import importlib
 import struct
 from functools import cache
 from typing import Any, NamedTuple
@@ -15,18 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from igrip.errors import MissingExtraError, RecordingError
-from igrip.io.recordings.messages import Detections
+from igrip.errors import RecordingError, requires_extra
+from igrip.io.mcap.messages import Detections
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 WORLD = "world"
+TYPES = {  # of the messages of each kind of topic
+    "colour": "CompressedImage", "depth": "CompressedImage", "calibration": "CameraCalibration",
+    "tf": "FrameTransform", "annotations": "ImageAnnotations",
+}  # fmt: skip
+GREEN = {"r": 0.1, "g": 0.9, "b": 0.4, "a": 1.0}
 DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
 JPEG_QUALITY = 90
-LARGEST = 1 << 26  # pixels of a picture that is read; those of cameras have some 2^20
+MAX_PIXELS = 1 << 26  # of a picture that is read; those of cameras have some 2^20
 
 
 class Schema(NamedTuple):
-    """A kind of protobuf message and the description of it that goes into the file."""
+    """A type of protobuf message, with the description of it that goes into the file."""
 
     name: str
     description: bytes
@@ -35,41 +41,37 @@ class Schema(NamedTuple):
 
 @cache
 def schema(name: str) -> Schema:
-    """Return one of Foxglove's kinds of message, for example ``CompressedImage``.
+    """Return one of Foxglove's message types, for example ``CompressedImage``.
 
     Raises
     ------
     MissingExtraError
         If the package is not installed.
     """
-    try:
+    with requires_extra("foxglove-schemas-protobuf", "mcap", "MCAP recordings"):
         from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-        module = __import__(f"foxglove_schemas_protobuf.{name}_pb2", fromlist=[name])
-    except ImportError:
-        raise MissingExtraError("foxglove-schemas-protobuf", "mcap", "MCAP recordings") from None
+        module = importlib.import_module(f"foxglove_schemas_protobuf.{name}_pb2")
     message = getattr(module, name)
     files: dict[str, Any] = {}
 
     def collect(file: Any) -> None:
-        """Add a file after those it builds on."""
+        """Add a file after those it depends on."""
         for other in file.dependencies:
             if other.name not in files:
                 collect(other)
         files[file.name] = file
 
     collect(message.DESCRIPTOR.file)
-    described = FileDescriptorSet()
+    descriptors = FileDescriptorSet()
     for file in files.values():
-        file.CopyToProto(described.file.add())
-    return Schema(message.DESCRIPTOR.full_name, described.SerializeToString(), message)
+        file.CopyToProto(descriptors.file.add())
+    return Schema(message.DESCRIPTOR.full_name, descriptors.SerializeToString(), message)
 
 
 def _cv2() -> Any:
-    try:
+    with requires_extra("opencv-python-headless", "mcap", "pictures in MCAP"):
         import cv2
-    except ImportError:
-        raise MissingExtraError("opencv-python-headless", "mcap", "pictures in MCAP") from None
     return cv2
 
 
@@ -78,10 +80,14 @@ def nanoseconds(t: float) -> int:
     return round(min(max(t, 0.0), 1.8e10) * 1e9)
 
 
-def _stamp(message: Any, t: float) -> Any:
+def _encode(kind: str, t: float, **fields: Any) -> bytes:
+    message = schema(kind).message(timestamp=_timestamp(t), **fields)
+    return bytes(message.SerializeToString())
+
+
+def _timestamp(t: float) -> dict[str, int]:
     ns = min(nanoseconds(t), 253402300799 * 10**9)  # the last moment protobuf knows
-    message.timestamp.seconds, message.timestamp.nanos = divmod(ns, 10**9)
-    return message
+    return {"seconds": ns // 10**9, "nanos": ns % 10**9}
 
 
 def encode_colour(frame: RgbdFrame, lossless: bool = False, quality: int = JPEG_QUALITY) -> bytes:
@@ -90,7 +96,7 @@ def encode_colour(frame: RgbdFrame, lossless: bool = False, quality: int = JPEG_
     bgr = cv2.cvtColor(frame.colour, cv2.COLOR_RGB2BGR)
     options = [cv2.IMWRITE_PNG_COMPRESSION, 1] if lossless else [cv2.IMWRITE_JPEG_QUALITY, quality]
     _, data = cv2.imencode(".png" if lossless else ".jpg", bgr, options)
-    return _picture(frame, data, "png" if lossless else "jpeg")
+    return _encode_picture(frame, data, "png" if lossless else "jpeg")
 
 
 def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
@@ -102,60 +108,54 @@ def encode_depth(frame: RgbdFrame, unit: float = DEPTH_UNIT) -> bytes:
     counts[~((counts >= 0) & (counts < 65536))] = 0  # NaN too
     options = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_SUB]
     _, data = cv2.imencode(".png", counts.astype(np.uint16), options)
-    return _picture(frame, data, "png")
+    return _encode_picture(frame, data, "png")
 
 
-def _picture(frame: RgbdFrame, data: NDArray[np.uint8], form: str) -> bytes:
-    message = _stamp(schema("CompressedImage").message(), frame.t)
-    message.frame_id, message.data, message.format = frame.camera, data.tobytes(), form
-    return bytes(message.SerializeToString())
+def _encode_picture(frame: RgbdFrame, data: NDArray[np.uint8], form: str) -> bytes:
+    return _encode(
+        "CompressedImage", frame.t, frame_id=frame.camera, data=data.tobytes(), format=form
+    )
 
 
 def encode_calibration(frame: RgbdFrame) -> bytes:
     """Return the intrinsics of a frame as a message."""
-    message = _stamp(schema("CameraCalibration").message(), frame.t)
-    own = frame.intrinsics
-    message.frame_id, message.width, message.height = frame.camera, own.width, own.height
-    message.distortion_model = "plumb_bob"
-    message.D.extend([0.0] * 5)
-    message.K.extend(own.matrix.ravel().tolist())
-    message.R.extend(np.eye(3).ravel().tolist())
-    message.P.extend(np.column_stack([own.matrix, np.zeros(3)]).ravel().tolist())
-    return bytes(message.SerializeToString())
+    camera = frame.intrinsics
+    k = camera.matrix
+    return _encode(
+        "CameraCalibration", frame.t, frame_id=frame.camera, width=camera.width,
+        height=camera.height, distortion_model="plumb_bob", D=[0.0] * 5, K=k.ravel().tolist(),
+        R=np.eye(3).ravel().tolist(), P=np.column_stack([k, np.zeros(3)]).ravel().tolist(),
+    )  # fmt: skip
 
 
-def encode_place(frame: RgbdFrame) -> bytes:
-    """Return where the camera of a frame stands as a message."""
-    message = _stamp(schema("FrameTransform").message(), frame.t)
-    message.parent_frame_id, message.child_frame_id = WORLD, frame.camera
-    x, y, z = frame.world_from_camera[:3, 3].tolist()
-    message.translation.x, message.translation.y, message.translation.z = x, y, z
-    a, b, c, w = Rotation.from_matrix(frame.world_from_camera[:3, :3]).as_quat().tolist()
-    turn = message.rotation
-    turn.x, turn.y, turn.z, turn.w = a, b, c, w
-    return bytes(message.SerializeToString())
+def encode_transform(frame: RgbdFrame) -> bytes:
+    """Return the pose of a frame's camera in the world as a message."""
+    pose = frame.world_from_camera
+    quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+    return _encode(
+        "FrameTransform", frame.t, parent_frame_id=WORLD, child_frame_id=frame.camera,
+        translation=dict(zip("xyz", pose[:3, 3].tolist(), strict=True)),
+        rotation=dict(zip("xyzw", quaternion, strict=True)),
+    )  # fmt: skip
 
 
-def encode_annotations(found: Detections) -> bytes:
-    """Return the hands of a picture as points and words that a viewer draws over it."""
-    kind = schema("ImageAnnotations").message
-    message = _stamp(kind(), found.t)
-    for hand in found.hands:
-        dots = _stamp(message.points.add(), found.t)
-        dots.type, dots.thickness = dots.POINTS, 4.0
-        for u, v in hand.landmarks:
-            dots.points.add(x=u, y=v)
-        _paint(dots.outline_color)
-        if hand.landmarks:
-            words = _stamp(message.texts.add(), found.t)
-            words.position.x, words.position.y = hand.landmarks[0]
-            words.text, words.font_size = f"{hand.label or 'hand'} {hand.score:.0%}", 16.0
-            _paint(words.text_color)
-    return bytes(message.SerializeToString())
-
-
-def _paint(colour: Any) -> None:
-    colour.r, colour.g, colour.b, colour.a = 0.1, 0.9, 0.4, 1.0
+def encode_annotations(detections: Detections) -> bytes:
+    """Return the detected hands as points and labels that a viewer draws over the picture."""
+    points, texts = [], []
+    time = _timestamp(detections.t)
+    for hand in detections.hands:
+        landmarks = [{"x": u, "y": v} for u, v in hand.landmarks]
+        points.append({
+            "timestamp": time, "type": "POINTS", "thickness": 4.0, "points": landmarks,
+            "outline_color": GREEN,
+        })  # fmt: skip
+        if landmarks:
+            text = f"{hand.label or 'hand'} {hand.score:.0%}"
+            texts.append({
+                "timestamp": time, "position": landmarks[0], "text": text, "font_size": 16.0,
+                "text_color": GREEN,
+            })  # fmt: skip
+    return _encode("ImageAnnotations", detections.t, points=points, texts=texts)
 
 
 def decode_picture(data: bytes) -> NDArray[Any]:
@@ -164,12 +164,12 @@ def decode_picture(data: bytes) -> NDArray[Any]:
     Raises
     ------
     RecordingError
-        If it holds none.
+        If the message holds no such picture.
     """
     cv2 = _cv2()
     packed = _parse("CompressedImage", data).data
     width, height = _declared_size(packed)
-    if width * height > LARGEST:
+    if width * height > MAX_PIXELS:
         raise RecordingError(f"data: a picture of {width} × {height} is too large")
     try:
         picture = cv2.imdecode(np.frombuffer(packed, np.uint8), cv2.IMREAD_UNCHANGED)
@@ -185,7 +185,7 @@ def decode_picture(data: bytes) -> NDArray[Any]:
 
 
 def _declared_size(data: bytes) -> tuple[int, int]:
-    """Return width and height that a PNG or JPEG says it has, before anything is unpacked.
+    """Return the width and height that a PNG or JPEG declares, before it is unpacked.
 
     PNG: ISO/IEC 15948, 11.2.1; JPEG: ITU-T T.81, B.2.2.
     """
@@ -208,7 +208,7 @@ def decode_calibration(data: bytes) -> Intrinsics:
     Raises
     ------
     RecordingError
-        If it holds none, or distortion: frames are rectified.
+        If it holds none, or the pictures are distorted: frames are rectified.
     """
     message = _parse("CameraCalibration", data)
     k = list(message.K)
@@ -221,17 +221,17 @@ def decode_calibration(data: bytes) -> Intrinsics:
     return Intrinsics(message.width, message.height, k[0], k[4], k[2], k[5])
 
 
-def decode_place(data: bytes) -> tuple[str, Array]:
-    """Return which camera a message is about, and its world_from_camera, shape (4, 4)."""
+def decode_transform(data: bytes) -> tuple[str, Array]:
+    """Return the name of a camera and its world_from_camera, shape (4, 4)."""
     message = _parse("FrameTransform", data)
-    at, turn = message.translation, message.rotation
-    place = np.eye(4)
-    place[:3, 3] = at.x, at.y, at.z
-    quaternion = np.array([turn.x, turn.y, turn.z, turn.w])
-    if not np.isfinite(place).all() or not 0.5 < np.linalg.norm(quaternion) < 2.0:
+    position, rotation = message.translation, message.rotation
+    pose = np.eye(4)
+    pose[:3, 3] = position.x, position.y, position.z
+    quaternion = np.array([rotation.x, rotation.y, rotation.z, rotation.w])
+    if not np.isfinite(pose).all() or not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise RecordingError("rotation: must be a unit quaternion, and the translation finite")
-    place[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
-    return str(message.child_frame_id), place
+    pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    return str(message.child_frame_id), pose
 
 
 def _parse(kind: str, data: bytes) -> Any:

@@ -12,10 +12,11 @@ from mcap.reader import make_reader
 import igrip
 from igrip import Observation
 from igrip.errors import RecordingError
-from igrip.io.recordings import foxglove
+from igrip.io.mcap import foxglove
+from igrip.io.mcap.messages import DetectedHand, Detections, Event
+from igrip.io.mcap.reader import McapReader
+from igrip.io.mcap.writer import McapWriter
 from igrip.io.recordings.jsonl import JsonlWriter
-from igrip.io.recordings.mcap_writer import McapReader, McapWriter
-from igrip.io.recordings.messages import DetectedHand, Detections, Event
 from rgbd_frames import frame, same
 from support import lines, run, scene_of_shapes
 

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from igrip.objects.model import build_model
-from igrip.viewer.zones import grip_zones
+from igrip.viewer.grip_zones import grip_zones
 from support import PAPER
 
 

@@ -6,9 +6,11 @@ import pytest
 
 from igrip import load_objects
 from igrip.errors import DatasetError
-from igrip.io.importers import ImportOptions, read_tables, write_dataset
-from igrip.io.importers._mapped import Mapped, read_map
+from igrip.io.column_map import ColumnMapImporter, read_column_map
+from igrip.io.import_dataset import import_dataset
+from igrip.io.importers import ImportFiles
 from igrip.io.recordings.jsonl import JsonlReader
+from igrip.io.resampling import ImportOptions
 
 MAP = """
 name = "Our lab"
@@ -62,12 +64,15 @@ def write(folder, columns=MAP):
 
 
 def imported(folder, out):
-    mapped, problems = Mapped(read_map(folder / "map.toml")), []
-    reaches = mapped.reaches(read_tables([folder]))
+    importer, problems = ColumnMapImporter(read_column_map(folder / "map.toml")), []
+    reaches = importer.reaches(ImportFiles([folder]))
     sources = ["ycb", "cylinder:0.04x0.1"]
     options = ImportOptions(rest=1.0)
-    steps = write_dataset(mapped, reaches, out, load_objects(*sources), options, sources, problems)
-    return list(steps)[-1], problems
+    steps = []
+    dataset = import_dataset(importer, reaches, out, load_objects(*sources), options, sources,
+                             problems, on_progress=lambda: steps.append(1))  # fmt: skip
+    assert len(steps) == len(reaches)
+    return dataset, problems
 
 
 def test_units_gaps_and_what_is_left_out(tmp_path):

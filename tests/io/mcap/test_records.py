@@ -11,8 +11,9 @@ import pytest
 
 from igrip import Observation
 from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_reader import LARGEST, MAGIC
-from igrip.io.recordings.mcap_writer import McapReader, McapWriter
+from igrip.io.mcap.reader import McapReader
+from igrip.io.mcap.records import MAGIC, MAX_BYTES
+from igrip.io.mcap.writer import McapWriter
 from rgbd_frames import SMALL, frame
 
 TINY = SMALL._replace(width=8, height=6)
@@ -111,7 +112,7 @@ def test_an_empty_file(tmp_path):
 def test_a_small_chunk_that_claims_to_be_huge(tmp_path):
     import zstandard
 
-    packed = zstandard.compress(bytes(LARGEST + 1))
+    packed = zstandard.compress(bytes(MAX_BYTES + 1))
     body = struct.pack("<QQQII", 0, 0, 100, 0, 4) + b"zstd" + struct.pack("<Q", len(packed))
     record = struct.pack("<BQ", 6, len(body) + len(packed)) + body + packed
     (tmp_path / "x.mcap").write_bytes(MAGIC + record)
