@@ -192,13 +192,13 @@ class ReplayWorker:
         on_replayed: Callable[[Sequence[Snapshot]], None],
         on_status: Callable[[str], None],
     ) -> None:
-        name = self._requested.take()
+        name = self._requested.get()
         while name is not None:
             on_status(f"running {name} …")
             snapshots = self._replay(name)
-            newer = self._requested.take(timeout=0.0)
+            newer = self._requested.get(timeout=0.0)
             if newer is None:
                 on_replayed(snapshots)
                 on_status(f"by {name}")
-                newer = self._requested.take()
+                newer = self._requested.get()
             name = newer

@@ -135,15 +135,15 @@ class Viewer:
         """Draw the newest snapshot again, after a change of the options."""
         with self._lock:
             if self._history:
-                self._waiting.take(timeout=0.0)  # the same one; it is not dropped
+                self._waiting.get(timeout=0.0)  # the same one; it is not dropped
                 self._waiting.put(self._history[-1])
 
     def _run(self) -> None:
         courses_due, stale = 0.0, False
         while True:
             wait = max(0.01, courses_due - time.monotonic()) if stale else None
-            snapshot = self._waiting.take(wait)
-            if snapshot is None and self._waiting.over:
+            snapshot = self._waiting.get(wait)
+            if snapshot is None and self._waiting.finished:
                 return
             due = time.monotonic() >= courses_due
             stale = not due
