@@ -14,7 +14,7 @@ FAMILIES = {
     "igrip.cues": "CUES",
     "igrip.targets": "TARGETS",
     "igrip.grips": "GRIPS",
-    "igrip.io.sources": "SOURCES",
+    "igrip.io.recordings": "SOURCES",
     "igrip.io.importers": "IMPORTERS",
     "igrip.perception.cameras": "CAMERAS",
     "igrip.perception.hands": "HANDS",

@@ -20,8 +20,8 @@ from igrip.describe import describe
 from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.lab.simulation.demo import DemoPerson, Moment, Task
-from igrip.lab.simulation.demo_score import DemoScore, Events
+from igrip.lab.simulation.demo import DemoPerson, DemoTask, Moment
+from igrip.lab.simulation.demo_score import DemoScore, StatusChanges
 from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
@@ -74,7 +74,7 @@ def demo(
     if faults:
         moments = _with_faults(moments, faults, seed)
     score = DemoScore()
-    events = Events() if faults and not as_json else None
+    events = StatusChanges() if faults and not as_json else None
     try:
         _run(_paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json, events)
     except KeyboardInterrupt:
@@ -85,7 +85,7 @@ def demo(
     if as_json:
         print_json(score.summary())
     else:
-        output.print(score.words(), soft_wrap=True)
+        output.print(score.sentence(), soft_wrap=True)
 
 
 def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
@@ -157,19 +157,19 @@ def _run(
     viewer: Viewer | None,
     score: DemoScore,
     quiet: bool,
-    events: Events | None,
+    events: StatusChanges | None,
 ) -> None:
     live = Live(console=output, refresh_per_second=15, transient=True)
     on_screen = output.is_terminal and not quiet
-    task: Task | None = None
+    task: DemoTask | None = None
     with live if on_screen else nullcontext():
         for moment, estimator in zip(moments, estimators, strict=False):
             if viewer is not None and moment.task is not task:
                 task = moment.task
-                viewer.note("Task", _summary(task))
+                viewer.note("DemoTask", _summary(task))
             intentions = estimator.update(moment.observation)
-            line = score.take(moment, intentions)
-            for event in events.take(intentions) if events else ():
+            line = score.update(moment, intentions)
+            for event in events.update(intentions) if events else ():
                 output.print(event, soft_wrap=True)
             if viewer is not None:
                 viewer.show(take_snapshot(estimator))
@@ -179,7 +179,7 @@ def _run(
                 output.print(line, soft_wrap=True)
 
 
-def _summary(task: Task) -> str:
+def _summary(task: DemoTask) -> str:
     return f"{task.hand} hand to {task.target}, {task.grip} grip"
 
 
@@ -202,5 +202,5 @@ def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> Tab
             intention.commitment.target if intention.commitment else "-",
         )
     sentences = [describe(i) for i in intentions if i.hand == moment.task.hand]
-    table.caption = "\n".join([*sentences, score.words()])
+    table.caption = "\n".join([*sentences, score.sentence()])
     return table

@@ -9,7 +9,8 @@ from igrip import Config
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import ImportFiles, find_importer
 from igrip.io.resampling import ImportOptions
-from igrip.lab.evaluation.replay import run_dataset
+from igrip.lab.evaluation.replay import replay_run, summarise_replay
+from igrip.lab.evaluation.runner import run_trials
 from igrip.objects.catalog import load_objects
 
 pd = pytest.importorskip("pandas", reason="the extra 'tables' is not installed")
@@ -51,12 +52,14 @@ def test_real_reaches_land_near_the_prototype(shared_data: Path, tmp_path: Path)
         importer, reaches, tmp_path / "d", load_objects("ycb"), options, ["ycb"]
     )
     assert len(dataset.trials) == 300
-    done = list(run_dataset(dataset, [Config(targets="paper"), Config(targets="repaired")], 2))
-    paper, repaired = ([trial[k][0] for trial in done] for k in range(2))
-    success = [np.mean([r.score.success for r in results]) for results in (paper, repaired)]
-    at_40, at_60 = np.mean([r.accurate for r in paper], axis=0)
+    configs = [Config(targets="paper"), Config(targets="repaired")]
+    catalog = load_objects(*dataset.objects)
+    runs = list(run_trials(dataset, catalog, configs, replay_run, dataset.trials, jobs=2))
+    rows = summarise_replay(dataset, runs)["results"]
+    paper, repaired = (row for row in rows if row["group"] == "all")
+    assert paper["trials"] == 300
     # 300 trials: a standard error of 2.6 points
-    assert 0.68 < success[0] < 0.88
-    assert 0.76 < success[1] < 0.94
-    assert 0.62 < at_40 < 0.80
-    assert 0.62 < at_60 < 0.80
+    assert 0.68 < paper["success"] < 0.88
+    assert 0.76 < repaired["success"] < 0.94
+    assert 0.62 < paper["accuracy_40%"] < 0.80
+    assert 0.62 < paper["accuracy_60%"] < 0.80

@@ -1,4 +1,4 @@
-"""When a movement begins and ends, from a trace that no estimator has touched (SPEC §7)."""
+"""Onset and end of a movement, from a trace that no estimator has touched (SPEC §7)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
     """Return onset and end of the one movement in a trace of speeds.
 
     Onset: first sample before the peak that is faster than 10 % of it. End: first sample after it
-    that is slower than the least speed after it plus 10 % of what the peak exceeds that by.
+    that is slower than the lowest speed after it plus 10 % of what the peak exceeds that by.
 
     Parameters
     ----------
@@ -42,8 +42,8 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
     after = speeds[peak + 1 :]
     if not len(before) or not len(after) or not speeds[peak] > 0.0:
         return None
-    least = float(after.min())
-    slow = np.flatnonzero(after < least + PART_OF_PEAK * (speeds[peak] - least))
+    min_after = float(after.min())
+    slow = np.flatnonzero(after < min_after + PART_OF_PEAK * (speeds[peak] - min_after))
     if not len(slow):
         return None
     if noisy:
