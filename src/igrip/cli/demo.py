@@ -166,7 +166,7 @@ def _run(
         for moment, estimator in zip(moments, estimators, strict=False):
             if viewer is not None and moment.task is not task:
                 task = moment.task
-                viewer.note("DemoTask", _summary(task))
+                viewer.note("Task", _summary(task))
             intentions = estimator.update(moment.observation)
             line = score.update(moment, intentions)
             for event in events.update(intentions) if events else ():

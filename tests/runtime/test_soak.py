@@ -77,8 +77,8 @@ def judged(first, last, early, late, status, seconds):
     incoming = status["incoming"]
     answered = status["intentions"]
     assert incoming["waiting"] == 0
-    assert incoming["taken"] == int(seconds * RATE)  # none was lost on the way in, uncounted
-    assert answered + 2 * incoming.get("pushed_out", 0) >= 2 * incoming["taken"] - 8
+    assert incoming["received"] == int(seconds * RATE)  # none was lost on the way in, uncounted
+    assert answered + 2 * incoming.get("dropped", 0) >= 2 * incoming["received"] - 8
     assert last <= 1.5 * first
     assert late <= early + 10.0
 
