@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from igrip import Estimator, Observation
-from igrip.runtime.service import Service
+from igrip.runtime.clock_sync import SenderClock
+from igrip.runtime.loop import Loop, Sender
 from support import BOX, CAN, message, pose
 
 
@@ -15,14 +16,14 @@ from support import BOX, CAN, message, pose
 )
 def test_another_object_with_a_similar_id_stays(shapes, refused, kept):
     estimator = Estimator(shapes)
-    service = Service(estimator, senders_clock=True)
+    loop = Loop(estimator, SenderClock())
     first = {refused: pose((0, 0, 0), model=BOX), kept: pose((1, 0, 0), model=BOX)}
     second = {refused: pose((0, 0, 0), model=CAN), kept: pose((2, 0, 0), model=BOX)}
     answers = []
-    service.answer = lambda sender, error: answers.append(error.problem)
+    sender = Sender(reply=lambda error: answers.append(error.problem))
     for t, objects in ((1.0, first), (2.0, second)):
-        service.take(Observation(**message(t, None, objects)))
-        service.step(0.0)
+        loop.submit(Observation(**message(t, None, objects)), sender)
+        loop.step(0.0)
     [problem] = answers
     assert "the id is bound to" in problem
     moved = {placed.id: placed.translation[0] for placed in estimator.objects}
