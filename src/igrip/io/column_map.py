@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import fnmatch
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import msgspec
 import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from igrip.errors import DatasetError
 from igrip.io.importers import Array, ImportFiles, ReachReader, RecordedReach
@@ -21,11 +22,11 @@ METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 SECONDS = {"s": 1.0, "ms": 0.001}
 
 
-class _Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    pass
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class SampleColumns(_Part, frozen=True):
+class SampleColumns(_Part):
     """The tables and columns of the hand's positions, one row per sample."""
 
     table: str = "*"
@@ -36,7 +37,7 @@ class SampleColumns(_Part, frozen=True):
     z: str = "z"
 
 
-class TrialColumns(_Part, frozen=True):
+class TrialColumns(_Part):
     """The table and columns of the trials, one row per trial; ``=text`` is the text itself."""
 
     table: str = "trials"
@@ -48,7 +49,7 @@ class TrialColumns(_Part, frozen=True):
     movement: str | None = None
 
 
-class ObjectColumns(_Part, frozen=True):
+class ObjectColumns(_Part):
     """The position of an object: columns of the table of trials, or numbers; and its model."""
 
     x: str | float
@@ -57,10 +58,9 @@ class ObjectColumns(_Part, frozen=True):
     model: str | None = None
 
 
-class ColumnMap(_Part, frozen=True):
+class ColumnMap(_Part):
     """The whole map."""
 
-    objects: Mapping[str, ObjectColumns]
     name: str = "imported tables"
     license: str = "unknown"
     source: str = "unknown"
@@ -68,6 +68,7 @@ class ColumnMap(_Part, frozen=True):
     time_unit: Literal["s", "ms"] = "s"
     samples: SampleColumns = SampleColumns()
     trials: TrialColumns = TrialColumns()
+    objects: Mapping[str, ObjectColumns]
 
 
 def read_column_map(path: Path) -> ColumnMap:
@@ -79,9 +80,13 @@ def read_column_map(path: Path) -> ColumnMap:
         If it cannot be read, or an entry is unknown or wrong; the message names it.
     """
     try:
-        return msgspec.toml.decode(path.read_bytes(), type=ColumnMap)
-    except (OSError, ValueError) as error:
+        return ColumnMap.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DatasetError(f"{path}: {error}") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise DatasetError(f"{path}: {where}: {first['msg']}") from None
 
 
 class ColumnMapImporter:
