@@ -105,6 +105,7 @@ def test_units_gaps_and_what_is_left_out(tmp_path):
         ('x = "X"', 'x = "W"', "no column 'W'"),
         ('table = "list"', 'table = "nothing"', "no table 'nothing'"),
         ("[objects.cup]", "[object.cup]", "object"),
+        ("y = 400.0", "y = [4]", r"objects\.cup\.y"),
         ('name = "Our lab"', "name = ", "Invalid value"),
     ],
 )

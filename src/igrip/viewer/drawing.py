@@ -149,28 +149,28 @@ class SceneDrawing:
     def _points(
         self, name: str, points: NDArray[np.float64], colour: tuple[int, ...], size: float
     ) -> None:
-        handle = self._handle(
-            name,
+        self._set_points(
+            name, points,
             lambda: self._scene.add_point_cloud(
                 name, np.zeros((1, 3), np.float32), colour, point_size=size, point_shape="circle",
                 precision="float32",
             ),
         )  # fmt: skip
-        handle.visible = len(points) > 0
-        if len(points):
-            handle.points = points.astype(np.float32)
 
     def _lines(self, name: str, segments: NDArray[np.float64], colour: tuple[int, ...]) -> None:
-        handle = self._handle(
-            name,
+        self._set_points(
+            name, segments,
             lambda: self._scene.add_line_segments(
                 name, np.zeros((1, 2, 3), np.float32), colour, thickness=1.0,
                 thickness_units="screen",
             ),
         )  # fmt: skip
-        handle.visible = len(segments) > 0
-        if len(segments):
-            handle.points = segments.astype(np.float32)
+
+    def _set_points(self, name: str, points: NDArray[np.float64], make: Callable[[], Any]) -> None:
+        handle = self._handle(name, make)
+        handle.visible = len(points) > 0
+        if len(points):
+            handle.points = points.astype(np.float32)
 
     def _handle(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._handles:

@@ -13,6 +13,7 @@ from igrip.errors import requires_extra
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.rgbd import RgbdFrame
+from igrip.viewer.drawing import HANDS, TARGET
 
 Array = NDArray[np.float64]
 BONES = (
@@ -21,10 +22,7 @@ BONES = (
     (0, 17),
 )  # fmt: skip
 PALM = (0, 5, 17)  # their mean is the palm centre (the paper's, SPEC)
-HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
-OTHER, OUTLINE, TARGET, INK, PAPER = (
-    (120, 120, 120), (240, 200, 70), (60, 200, 90), (255, 255, 255), (30, 30, 30),
-)  # fmt: skip
+OTHER, OUTLINE, INK, PAPER = (120, 120, 120), (240, 200, 70), (255, 255, 255), (30, 30, 30)
 MIN_DEPTH = 0.05  # m; nearer objects have no outline
 
 

@@ -110,14 +110,11 @@ class Viewer:
 
     def show_replay(self, snapshots: Sequence[Snapshot], index: int) -> None:
         """Show one snapshot of a replay, with the time courses up to it; never blocks."""
-        first = index
-        while first > max(0, index + 1 - MAX_SNAPSHOTS) and (
-            snapshots[index].t - snapshots[first - 1].t <= HISTORY
-        ):
-            first -= 1
+        recent = snapshots[max(0, index + 1 - MAX_SNAPSHOTS) : index + 1]
+        begin = snapshots[index].t - HISTORY
         with self._lock:
             self._history.clear()
-            self._history.extend(snapshots[first : index + 1])
+            self._history.extend(snapshot for snapshot in recent if snapshot.t >= begin)
             self._waiting.put(snapshots[index])
 
     def note(self, title: str, text: str) -> None:

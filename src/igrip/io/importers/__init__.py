@@ -87,18 +87,7 @@ ReachReader = Callable[[], RecordedReach]
 
 
 class ImportFiles:
-    """The files and folders that the user names.
-
-    Parameters
-    ----------
-    paths : iterable of Path
-        The files and folders.
-
-    Raises
-    ------
-    DatasetError
-        If one does not exist.
-    """
+    """The files and folders that the user names; all must exist."""
 
     def __init__(self, paths: Iterable[Path]) -> None:
         self.paths = tuple(paths)
