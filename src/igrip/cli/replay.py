@@ -16,8 +16,7 @@ from igrip.cli.summaries import print_dataset, print_recording, recording_summar
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.recordings.files import open_writer
-from igrip.io.sources import open_source
+from igrip.io.recordings import open_source, open_writer
 from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
 from igrip.lab.evaluation.runner import EstimatorRun, count_jobs, run_trials, spread
 from igrip.objects.catalog import load_objects

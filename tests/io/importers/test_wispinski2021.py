@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from igrip import Config
-from igrip.io.datasets.dataset import Dataset
-from igrip.io.importers import ImportOptions, find_importer, read_tables, write_dataset
+from igrip.io.import_dataset import import_dataset
+from igrip.io.importers import ImportFiles, find_importer
+from igrip.io.resampling import ImportOptions
 from igrip.lab.evaluation.replay import replay_run, summarise_replay
 from igrip.lab.evaluation.runner import run_trials
 from igrip.objects.catalog import load_objects
@@ -30,27 +31,26 @@ def test_layout(tmp_path: Path) -> None:
     )  # fmt: skip
     trials.to_csv(tmp_path / "trials.csv", index=False)
     reaches.to_csv(tmp_path / "reaches.csv", index=False)
-    tables = read_tables([tmp_path])
-    importer = find_importer(tables)
-    first, second = (read() for read in importer.reaches(tables))
+    files = ImportFiles([tmp_path])
+    importer = find_importer(files)
+    first, second = (read() for read in importer.reaches(files))
     assert (first.participant, first.target, first.extra["distance"]) == ("sub-1", "left", "near")
     assert second.extra["distance"] == "far"
     np.testing.assert_array_equal(first.times, [0.0, 0.5])
     np.testing.assert_array_equal(first.positions[:, 0], [7.0, 7.5])
     np.testing.assert_array_equal(second.positions[:, 0], [9.0, 9.25])
-    np.testing.assert_array_equal(first.places["right"], [0.4, 0.5, 0.6])
+    np.testing.assert_array_equal(first.object_positions["right"], [0.4, 0.5, 0.6])
 
 
 def test_real_reaches_land_near_the_prototype(shared_data: Path, tmp_path: Path) -> None:
     """MEASURED: paper 72 % of trials and 72/70 % at 40/60 %; repaired 76-84 % of trials."""
-    tables = read_tables([shared_data / "wispinski2021"])
-    importer = find_importer(tables)
-    reaches = importer.reaches(tables)[::36]
+    files = ImportFiles([shared_data / "wispinski2021"])
+    importer = find_importer(files)
+    reaches = importer.reaches(files)[::36]
     options = ImportOptions(noise=0.004)
-    *_, dataset = write_dataset(
+    dataset = import_dataset(
         importer, reaches, tmp_path / "d", load_objects("ycb"), options, ["ycb"]
     )
-    assert isinstance(dataset, Dataset)
     assert len(dataset.trials) == 300
     configs = [Config(targets="paper"), Config(targets="repaired")]
     catalog = load_objects(*dataset.objects)

@@ -188,16 +188,16 @@ def test_other_objects_than_the_dataset_s(with_meshes, tmp_path):
 def test_a_recording_that_changes_while_it_is_read_is_read_again(
     with_meshes, tmp_path, monkeypatch
 ):
-    open_recording = runner.open_recording
+    open_source = runner.open_source
 
     def opened_and_changed(path):
-        reader = list(open_recording(path))
+        reader = list(open_source(path))
         path.write_bytes(path.read_bytes() + b'{"t": 9}\n')
-        monkeypatch.setattr(runner, "open_recording", open_recording)
+        monkeypatch.setattr(runner, "open_source", open_source)
         reader = type("Reader", (list,), {"cut": None})(reader)
         return reader
 
-    monkeypatch.setattr(runner, "open_recording", opened_and_changed)
+    monkeypatch.setattr(runner, "open_source", opened_and_changed)
     run(with_meshes, tmp_path / "out", targets=("distance",))
     rows, steps = run(with_meshes, tmp_path / "out", targets=("distance",))
     assert steps[0] == 1

@@ -8,7 +8,7 @@ import pytest
 
 from igrip import Config, Estimator, load_objects
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.recordings.files import open_recording
+from igrip.io.recordings import open_source
 from igrip.lab.evaluation import runner
 from igrip.lab.evaluation.runner import count_jobs, run_trial, run_trials, spread
 
@@ -29,7 +29,7 @@ def test_a_run_holds_what_each_estimator_answered(small_dataset, catalog):
     assert [e.config for e in run.estimators] == list(CONFIGS)
     estimator = Estimator(catalog, CONFIGS[1])
     answers = run.estimators[1]
-    for k, observation in enumerate(open_recording(small_dataset.recording(trial))):
+    for k, observation in enumerate(open_source(small_dataset.recording(trial))):
         [intention] = estimator.update(observation)
         assert answers.intentions[k] == intention
         motion = estimator.hands["right"].motion
@@ -107,7 +107,7 @@ def test_an_odd_recording_ends_only_itself(small_dataset, catalog, monkeypatch):
     def broken(path):
         raise RuntimeError("of a kind that nobody foresaw")
 
-    monkeypatch.setattr(runner, "open_recording", broken)
+    monkeypatch.setattr(runner, "open_source", broken)
     run = run_trial(small_dataset, small_dataset.trials[0], catalog, CONFIGS)
     assert run.problem == "cannot be evaluated: RuntimeError('of a kind that nobody foresaw')"
 

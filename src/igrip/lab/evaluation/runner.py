@@ -17,7 +17,7 @@ from igrip.estimator import Estimator
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.io.recordings.files import open_recording
+from igrip.io.recordings import open_source
 from igrip.lab.evaluation.commitments import MessageEvidence
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.objects.catalog import Catalog
@@ -113,14 +113,14 @@ def run_trial(
         return run
     first = run.estimators[0].estimator
     try:
-        reader = open_recording(dataset.recording(trial))
+        reader = open_source(dataset.recording(trial))
         for observation in reader:
             run.recorded.add(observation)
             for estimator in run.estimators:
                 estimator.update(observation)
             if trial.onset_s is None or observation.t <= trial.onset_s or not run.objects:
                 run.objects = first.objects
-        run.cut = reader.cut
+        run.cut = getattr(reader, "cut", None)
     except IgripError as error:
         run.problem = str(error)
     except Exception as error:  # one odd recording must not end the evaluation of all others

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.lab.rendering.layout import PlacedMesh, look_at
 from igrip.lab.rendering.scene import OAK, RenderedScene
@@ -15,9 +14,8 @@ from igrip.lab.simulation.movement import draw_habits
 from igrip.lab.simulation.parameters import CohortParameters, cohort_parameters
 from igrip.lab.simulation.table import models_by_id, object_ids
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
-from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
-Array = NDArray[np.float64]
 MIDDLE = np.array([0.0, 0.30, 0.0])  # of the protocol's table; the rendered world begins there [m]
 LOOKS_AT = np.array([0.0, -0.02, 0.06])  # guess [m]
 CAMERA = np.array([0.0, 0.60, 0.62])  # across the table from the person, guess [m]
