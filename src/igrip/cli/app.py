@@ -32,14 +32,14 @@ COMMANDS = {
         "demo:demo",
         "Watch igrip predict what a simulated person reaches for, and with which grip.",
     ),
-    "replay": Command("replay:replay", "Run an estimator over recordings and sum up what it said."),
+    "replay": Command("replay:replay", "Run estimators over recordings and summarise the answers."),
     "evaluate": Command(
         "evaluate:evaluate",
         "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.",
     ),
     "simulate": Command(
         "simulate:simulate",
-        "Simulate the paper's protocol: people × 128 trials × 2 cameras, shuffled and seeded.",
+        "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
     ),
     "stream": Command(
         "stream:stream",

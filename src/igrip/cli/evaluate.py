@@ -11,7 +11,7 @@ from rich.text import Text
 
 from igrip.cli.console import errors, output, print_json, progress
 from igrip.config import Config
-from igrip.errors import MissingExtraError, RecordingError
+from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.datasets.participants import participants_without_trials
@@ -56,11 +56,9 @@ def evaluate(
 
     Example: igrip evaluate cohort --out report --targets paper --targets repaired
     """
-    try:
+    with requires_extra("pandas", "report", "the evaluation"):
         from igrip.lab.evaluation.summary import frame_of, summarise
         from igrip.lab.report.page import write_report
-    except ImportError as error:
-        raise MissingExtraError("pandas", "report", "the evaluation") from error
     names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
     for name in names:
         TARGETS.get(name)

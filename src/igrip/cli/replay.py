@@ -1,4 +1,4 @@
-"""``igrip replay``: an estimator over a recording or a dataset."""
+"""``igrip replay``: estimators over a recording or a dataset."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def replay(
     ] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
-    """Run an estimator over recordings and summarise its answers.
+    """Run estimators over recordings and summarise the answers.
 
     Over a dataset: trial success and accuracy at 40 and 60 % of the movement for each estimator,
     over all trials as in `igrip evaluate`. With --out, each line also names its recording and

@@ -14,7 +14,7 @@ from typing import Any
 import pandas as pd
 
 from igrip.config import Config
-from igrip.errors import MissingExtraError
+from igrip.errors import requires_extra
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.runner import run_trial
 from igrip.lab.evaluation.summary import reaches_of, valid_of
@@ -55,17 +55,13 @@ def write_report(
     MissingExtraError
         If matplotlib, pyarrow or jinja2 is not installed.
     """
-    try:
+    with requires_extra("jinja2", "report", "the report"):
         import jinja2
-    except ImportError as error:
-        raise MissingExtraError("jinja2", "report", "the report") from error
     out.mkdir(parents=True, exist_ok=True)
     text = json.dumps(clean(summary), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
-    try:
+    with requires_extra("pyarrow", "report", "trials.parquet"):
         frame.to_parquet(out / "trials.parquet", index=False)
-    except ImportError as error:
-        raise MissingExtraError("pyarrow", "report", "trials.parquet") from error
     leading = next((c for c in configs if c.targets == "paper"), configs[0])
     own = frame[frame["targets"] == leading.targets]
     drawn = {
