@@ -12,8 +12,8 @@ from igrip import Config, Estimator, load_objects
 from igrip.lab.simulation.demo import DemoPerson
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.perception.cameras.rendered import RenderedCamera
-from igrip.perception.pipeline.detectors import hand_eye, object_eye
-from igrip.perception.pipeline.merge import HandsFound
+from igrip.perception.pipeline.merge import DetectedHands
+from igrip.perception.pipeline.stages import hand_stages, object_stages
 from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame
 from igrip.viewer.grip_page import GripPage
@@ -73,12 +73,12 @@ def live_picture(name: str, seed: int = 1) -> None:
     """Draw what a live chain sees and says of a rendered reach, when it is surest."""
     catalog = load_objects("ycb")
     camera = RenderedCamera(seed)
-    find_hands = hand_eye("mediapipe", 2)()
-    look = object_eye("depth", catalog, {"models": PAPER_OBJECTS})()
+    find_hands = hand_stages("mediapipe", 2)()
+    look = object_stages("depth", catalog, {"models": PAPER_OBJECTS})()
     estimator = Estimator(catalog)
-    seen: list[HandsFound] = []
+    seen: list[DetectedHands] = []
 
-    def hands(frame: RgbdFrame) -> HandsFound:
+    def hands(frame: RgbdFrame) -> DetectedHands:
         seen.append(find_hands(frame))
         return seen[-1]
 
@@ -104,7 +104,7 @@ def main() -> None:
     moments, words = most_telling()
     viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)
     viewer.note("Task", words)
-    viewer.show_film(moments, len(moments) - 1)
+    viewer.show_replay(moments, len(moments) - 1)
     catalog = load_objects("ycb")
     zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_from)
     with sync_playwright() as play:

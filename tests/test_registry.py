@@ -14,7 +14,7 @@ import igrip
 from igrip.cues import CUES, Cue, CueConfig, cue
 from igrip.errors import UnknownNameError
 from igrip.grips import GRIPS, Grip
-from igrip.io.sources import SOURCES
+from igrip.io.recordings import SOURCES
 from igrip.registry import Registry
 from igrip.targets import TARGETS, TargetEstimate, best_of
 from support import BOX, hand, message, pose, run, scene_of_shapes
@@ -26,7 +26,7 @@ def test_built_in_members():
     assert set(METRICS) <= set(CUES.names())
     assert {"paper", "repaired", *METRICS} <= set(TARGETS.names())
     assert "cylinder" in GRIPS.names()
-    assert ".jsonl" in SOURCES.names()
+    assert "jsonl" in SOURCES.names()
     assert CUES.names() == tuple(sorted(CUES.names()))
     for name in METRICS:
         assert CUES.get(name).name == name
@@ -185,9 +185,8 @@ def family(tmp_path, monkeypatch):
     (package / "__init__.py").write_text(
         "from igrip.registry import Registry\nFAMILY = Registry('toy', 'some_family')\n"
     )
-    (package / "one.py").write_text(
-        "from some_family import FAMILY\nFAMILY.register('one')(1)\nFAMILY.register('uno')(1)\n"
-    )
+    (package / "one.py").write_text("from some_family import FAMILY\nFAMILY.register('one')(1)\n")
+    (package / "_shared.py").write_text("raise ImportError('no member')\n")
     (package / "two.py").write_text("from some_family import FAMILY\nFAMILY.register('two')(2)\n")
     monkeypatch.syspath_prepend(tmp_path)
     yield importlib.import_module("some_family").FAMILY
@@ -196,9 +195,17 @@ def family(tmp_path, monkeypatch):
 
 
 def test_a_member_is_one_file(family):
+    assert family.names() == ("one", "two")
     assert "some_family.one" not in sys.modules  # nothing is imported before it is asked for
-    assert family.names() == ("one", "two", "uno")
     assert family.get("two") == 2
+    assert "some_family.one" not in sys.modules
+
+
+def test_a_module_that_registers_another_name(family, tmp_path):
+    (tmp_path / "some_family" / "three.py").write_text("")
+    assert family.names() == ("one", "three", "two")
+    with pytest.raises(RuntimeError, match=r"some_family\.three does not register 'three'"):
+        family.get("three")
 
 
 def test_entry_points_add_members_and_never_replace_one(family, monkeypatch):

@@ -23,7 +23,7 @@ from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.observation import Observation
 from igrip.version import __version__
 
-EXTRA = re.compile(r"extra == ['\"](.+?)['\"]")
+EXTRA = re.compile(r"""extra == ["']([^"']+)""")
 
 
 def _version(package: str) -> str | None:
@@ -33,21 +33,24 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _packages() -> dict[str | None, dict[str, str | None]]:
-    """Return the packages that igrip's metadata name, by extra, and their versions here."""
-    packages: dict[str | None, dict[str, str | None]] = {None: {}}
+def dependencies() -> dict[str, dict[str, str | None]]:
+    """Return the installed version of each dependency, by extra; those of the core under "".
+
+    They are read from the metadata of the installed package, and are none in a bare source tree.
+    """
     try:
         requirements = requires("igrip") or []
-    except PackageNotFoundError:  # run from its sources, never installed
+    except PackageNotFoundError:
         requirements = []
+    versions: dict[str, dict[str, str | None]] = {"": {}}
     for requirement in requirements:
-        match = EXTRA.search(requirement)
-        name = re.split(r"[^\w.-]", requirement)[0]
-        packages.setdefault(match and match[1], {})[name] = _version(name)
-    return packages
+        package = re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0]
+        extra = EXTRA.search(requirement)
+        versions.setdefault(extra[1] if extra else "", {})[package] = _version(package)
+    return versions
 
 
-def _kernel() -> str:
+def _check_kernel() -> str:
     """Run one reach through the estimator; return how long the first frames took."""
     model = "cylinder:0.03x0.12"
     pose = {"model": model, "position": [0.5, 0.0, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
@@ -55,21 +58,22 @@ def _kernel() -> str:
     begin = time.perf_counter()
     for k in range(10):
         hands = {"right": {"position": [0.03 * k, 0.0, 0.0]}}
-        estimator.update(Observation(t=k / 30, hands=hands, objects={"thing": pose}))
+        estimator.update(Observation(t=k / 30, hands=hands, objects={"cylinder": pose}))
     return f"ten frames in {time.perf_counter() - begin:.2f} s, compilation included"
 
 
-def _models() -> str:
+def _check_objects() -> str:
+    """Build the models of the paper's objects; return how many meshes there are."""
     catalog = load_objects("ycb")
     for name in PAPER_OBJECTS:
         catalog[name]
     return f"{len(catalog)} meshes of the YCB set, the paper's four built"
 
 
-def _check(work: Callable[[], str]) -> dict[str, Any]:
+def _result(check: Callable[[], str]) -> dict[str, Any]:
     try:
-        return {"ok": True, "detail": work()}
-    except Exception as error:  # whatever is broken here is what the doctor is asked for
+        return {"ok": True, "detail": check()}
+    except Exception as error:  # any failure is a finding to report
         return {"ok": False, "detail": f"{type(error).__name__}: {error}"}
 
 
@@ -82,7 +86,8 @@ def doctor(
 
     Example: igrip doctor --json
     """
-    packages = _packages()
+    checks = {"kernel": _result(_check_kernel), "objects": _result(_check_objects)}
+    extras = dependencies()
     report: dict[str, Any] = {
         "igrip": __version__,
         "python": sys.version.split()[0],
@@ -90,29 +95,31 @@ def doctor(
         "processors": os.cpu_count(),
         "cache": str(cache_directory()),
         "kernel_cache": str(kernel_cache_directory()),
-        "core": packages.pop(None),
-        "extras": packages,
-        "checks": {"kernel": _check(_kernel), "objects": _check(_models)},
+        "core": extras.pop(""),
+        "extras": extras,
+        "checks": checks,
     }
-    works = all(check["ok"] for check in report["checks"].values())
-    report["ok"] = works and all(report["core"].values())
+    works = all(check["ok"] for check in checks.values()) and all(report["core"].values())
+    report["ok"] = works
     if as_json:
         print_json(report)
     else:
         _print(report)
-    raise typer.Exit(0 if report["ok"] else 1)
+    raise typer.Exit(0 if works else 1)
 
 
 def _print(report: dict[str, Any]) -> None:
-    table = Table("", "what", "found", box=None)
+    table = Table("", "component", "status", box=None)
+    table.columns[-1].overflow = "fold"
     for name in ("igrip", "python", "platform", "processors", "cache"):
         table.add_row("", name, str(report[name]))
     for package, installed in report["core"].items():
-        table.add_row(_mark(bool(installed)), package, installed or "missing: pip install igrip")
+        status = installed or "missing: pip install igrip"
+        table.add_row(_mark(installed is not None), package, status)
     for extra, packages in report["extras"].items():
-        hint = f"not installed: pip install 'igrip[{extra}]'"
         for package, installed in packages.items():
-            table.add_row(_mark(bool(installed), "-"), f"{package} ({extra})", installed or hint)
+            status = installed or f"not installed: pip install 'igrip[{extra}]'"
+            table.add_row(_mark(installed is not None, "-"), f"{package} ({extra})", status)
     for name, check in report["checks"].items():
         table.add_row(_mark(check["ok"]), name, check["detail"])
     output.print(table)
@@ -122,5 +129,5 @@ def _print(report: dict[str, Any]) -> None:
         output.print("The core does not work.", style="bold red")
 
 
-def _mark(good: bool, otherwise: str = "✗") -> Text:
-    return Text("✓", "green") if good else Text(otherwise, "red")
+def _mark(ok: bool, otherwise: str = "✗") -> Text:
+    return Text("✓", "green") if ok else Text(otherwise, "red")

@@ -18,17 +18,18 @@ from igrip.cli.live_table import markdown_of, table_of
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.io.recordings.files import open_writer
+from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
-from igrip.perception.pipeline.detectors import hand_eye, object_eye, read_options, warm_up_eyes
 from igrip.perception.pipeline.pipeline import Pipeline
+from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
+from igrip.perception.poses import parse_options
 from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
-from igrip.viewer.camera_panel import PicturePanel, Seen
+from igrip.viewer.camera_panel import CameraPanel, CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -100,16 +101,18 @@ def live(
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
             known = load_objects(*(catalog or ["ycb"]))
-            pose_options = read_options(option or [])
+            pose_options = parse_options(option or [])
             models = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
             pose_options["models"] = models
             for name in models:
                 known[name]
             setup.warm_up(config, known)
             count = _check(camera, calibration)
-            new_hands = None if hands == NOTHING else hand_eye(hands, max_hands, apart, count)
-            new_objects = None if objects == NOTHING else object_eye(objects, known, pose_options)
-            warm_up_eyes(new_hands, new_objects, known, models)
+            new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, apart, count)
+            new_objects = (
+                None if objects == NOTHING else object_stages(objects, known, pose_options)
+            )
+            warm_up_stages(new_hands, new_objects, known, models)
             source = open_camera(camera, calibration)
         pipeline = stack.enter_context(Pipeline(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
@@ -188,13 +191,13 @@ def _run(
             screen = Live(console=errors, refresh_per_second=4, transient=True)
             stack.enter_context(screen)
         if viewer is not None:
-            panel = PicturePanel(viewer.server)
+            panel = CameraPanel(viewer.server)
             stack.callback(panel.close)
         loop.run(_presenter(loop, pipeline, viewer, panel, screen, seconds, problems))
 
 
 def _presenter(
-    loop: Loop, pipeline: Pipeline, viewer: Viewer | None, panel: PicturePanel | None,
+    loop: Loop, pipeline: Pipeline, viewer: Viewer | None, panel: CameraPanel | None,
     screen: Live | None, seconds: float | None, problems: ProblemPrinter,
 ) -> Callable[[list[Intention]], None]:  # fmt: skip
     """Return what is done after each update; none of it blocks."""
@@ -211,8 +214,8 @@ def _presenter(
         if viewer is not None and panel is not None:
             viewer.show(take_snapshot(estimator))
             panel.show({
-                camera: Seen(found.frame, found.landmarks, estimator.objects, newest)
-                for camera, found in pipeline.pictures().items()
+                camera: CameraView(found.frame, found.landmarks, estimator.objects, newest)
+                for camera, found in pipeline.latest_hands().items()
             })  # fmt: skip
         if now >= due:
             due = now + SCREEN_INTERVAL
@@ -221,7 +224,7 @@ def _presenter(
             if screen is not None:
                 screen.update(table_of(estimator.t, stages, newest))
             if panel is not None:
-                panel.tell(markdown_of(stages))
+                panel.set_table(markdown_of(stages))
 
     return present
 

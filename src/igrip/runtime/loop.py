@@ -239,10 +239,8 @@ class Loop:
             except ObservationError as error:
                 self.count("refused")
                 sender.reply(error)
-                objects = {
-                    id: pose for id, pose in message.objects.items()
-                    if error.field != f"objects.{id:.80}.model"
-                }  # fmt: skip
+                refused = error.object_id
+                objects = {id: pose for id, pose in message.objects.items() if id != refused}
                 if len(objects) == len(message.objects):
                     return None
                 message = Observation(t=message.t, hands=dict(message.hands), objects=objects)

@@ -25,9 +25,12 @@ class Mailbox(Generic[T]):
         self.received = self.replaced = 0
 
     def put(self, item: T, key: Hashable = None) -> None:
-        """Add an item in place of the one that waits under its key; never blocks."""
+        """Add an item in place of the one that waits under its key; never blocks.
+
+        It keeps the place of the one it replaces: of two equally fast senders none starves.
+        """
         with self._change:
-            self.replaced += self._items.pop(key, None) is not None
+            self.replaced += key in self._items
             self.received += 1
             self._items[key] = item
             self._change.notify_all()

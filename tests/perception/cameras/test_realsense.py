@@ -108,11 +108,11 @@ def test_the_time_of_exposure_is_on_the_monotonic_clock(rs):
     assert converter.note is None
 
 
-def test_a_clock_of_its_own_is_told(rs):
+def test_a_clock_of_its_own_gives_a_note(rs):
     converter = realsense.Converter(rs, "x", 0.001)
     [*_, frame] = converted(rs, converter, 4, domain="hardware_clock")
     assert abs(time.monotonic() - frame.t) < 5.0
-    assert "does not tell the time of exposure" in converter.note
+    assert "has no time of exposure" in converter.note
 
 
 def test_depth_is_aligned_to_colour(rs):

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 import igrip
+from benchmarks.film_sprites import film_sprites
+from igrip.lab.rendering.drawn_hand import paste_hand
 from igrip.lab.rendering.filmed_reach import film_reach
-from igrip.lab.rendering.sprites import film_sprites, place
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.perception.hands.mediapipe import MediaPipeHands
-from igrip.perception.pipeline.detectors import hand_eye, object_eye
 from igrip.perception.pipeline.pipeline import Pipeline
+from igrip.perception.pipeline.stages import hand_stages, object_stages
 from igrip.rgbd import RgbdFrame
 from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.loop import Loop
@@ -60,22 +61,24 @@ def memory():
 @pytest.mark.timeout(1200)
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read as on Linux")
 def test_ten_minutes_of_replay(ycb, shared_data):
-    finder = MediaPipeHands()
-    sprite = next(film_sprites(shared_data / "images" / "hand_720p.mp4", finder))
-    finder.close()
+    detector = MediaPipeHands()
+    sprite = next(film_sprites(shared_data / "images" / "hand_720p.mp4", detector))
+    detector.close()
     film = film_reach(ycb, 5)
 
     def put(frame, side, palm):
         x, y = frame.intrinsics.pixels(palm[None])[0].tolist()
-        return place(frame, sprite, (x, y), float(palm[2]), np.pi)[0]
+        return paste_hand(frame, sprite, (x, y), float(palm[2]), np.pi)[0]
 
     frames = list(itertools.islice(film.frames(put), 90))
-    chain = Pipeline(
-        Again(frames, 60.0 * MINUTES), hand_eye("mediapipe", 2),
-        object_eye("depth", ycb, {"models": PAPER_OBJECTS}),
+    pipeline = Pipeline(
+        Again(frames, 60.0 * MINUTES), hand_stages("mediapipe", 2),
+        object_stages("depth", ycb, {"models": PAPER_OBJECTS}),
     )  # fmt: skip
-    with chain:
-        loop = Loop(igrip.Estimator(ycb), RunClock(chain.begin), {"camera": StreamInput(chain)})
+    with pipeline:
+        loop = Loop(
+            igrip.Estimator(ycb), RunClock(pipeline.begin), {"camera": StreamInput(pipeline)}
+        )
         used: list[tuple[float, float]] = []
 
         def measure_memory(intentions):
@@ -85,7 +88,7 @@ def test_ten_minutes_of_replay(ycb, shared_data):
 
         with loop:
             loop.run(measure_memory)
-        report = chain.report()
+        report = pipeline.report()
     minute = int(60.0 * min(1.0, MINUTES / 3) * RATE * 0.8)
     ages = loop.latency.ages()
     first, last = np.median(ages[90 : 90 + minute]), np.median(ages[-minute:])

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from igrip.objects.model import ObjectModel
 from igrip.objects.stable_poses import stable_poses
+from igrip.rgbd import Array
 from igrip.settings import Settings, quantity
 
-Array = NDArray[np.float64]
 TRIES, SAME_TURN = 600, 20
 
 

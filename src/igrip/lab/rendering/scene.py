@@ -15,10 +15,8 @@ from igrip.lab.rendering.draw import draw_mesh
 from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh, looking_camera, strew
 from igrip.lab.rendering.stereo import StereoNoise, measured_depth
 from igrip.objects.catalog import Catalog
-from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 OAK = Intrinsics(640, 400, 493.0, 493.0, 319.5, 199.5)
 """An OAK-D S2's colour camera, 66° wide (Luxonis datasheet), at 640 x 400."""

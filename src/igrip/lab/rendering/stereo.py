@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
+from igrip.rgbd import Array
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 
 class StereoNoise(Settings):

@@ -1,13 +1,12 @@
-"""The plane that things stand on, from the points of one frame."""
+"""The plane that objects stand on, from the points of one frame."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 SAMPLED = 4000
 HYPOTHESES = 300
@@ -22,14 +21,14 @@ class Plane(NamedTuple):
     ----------
     table_from_camera : (4, 4)
         z up, towards the camera's side; the origin is the camera's foot on the plane.
-    spread : float
-        Noise of the depth: its standard deviation normal to the plane is ``spread z²`` [1/m].
+    noise : float
+        Of the depth: its standard deviation normal to the plane is ``noise z²`` [1/m].
     share : float
-        Of the points that are on it.
+        Of the points, which is on it.
     """
 
     table_from_camera: Array
-    spread: float
+    noise: float
     share: float
 
 
@@ -62,10 +61,10 @@ def find_plane(points: Array, random: np.random.Generator) -> Plane | None:
     offsets = (normals * corners[fit, 0]).sum(axis=1)
     counts = (np.abs(chosen @ normals.T - offsets) < near[:, None]).sum(axis=0)
     best = int(np.argmax(counts))
-    return refined(chosen, normals[best], float(offsets[best]))
+    return refine_plane(chosen, normals[best], float(offsets[best]))
 
 
-def refined(points: Array, normal: Array, offset: float) -> Plane | None:
+def refine_plane(points: Array, normal: Array, offset: float) -> Plane | None:
     """Fit a plane ``normal · p = offset`` to the points near it, by weighted least squares."""
     near = NEAR[0] + NEAR[1] * points[:, 2] ** 2
     share, gaps = 0.0, np.empty(0)
@@ -84,8 +83,8 @@ def refined(points: Array, normal: Array, offset: float) -> Plane | None:
         normal, offset = -normal, -offset
     gaps = points @ normal - offset
     on = np.abs(gaps) < near
-    spread = 1.4826 * float(np.median(np.abs(gaps[on]) / points[on, 2] ** 2))
-    return Plane(_frame(normal, offset), spread, share)
+    noise = 1.4826 * float(np.median(np.abs(gaps[on]) / points[on, 2] ** 2))
+    return Plane(_frame(normal, offset), noise, share)
 
 
 def _frame(normal: Array, offset: float) -> Array:
