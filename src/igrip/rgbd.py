@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 class Intrinsics(NamedTuple):
     """A pinhole camera. The camera's frame: x to the right, y down, z ahead; pixel centres whole.
 
+    An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
+
     Attributes
     ----------
     width, height : int

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from igrip.entities import ObjectPose
-from igrip.lab.rendering.scene import strewn_scene
+from igrip.lab.rendering.scene import random_scene
 from igrip.objects.catalog import Catalog
 from igrip.perception.hand_ids import HandIdConfig, HandIdTracker, PalmMeasurement
 from igrip.perception.hands import HANDS, HandDetector
@@ -177,7 +177,7 @@ def warm_up_stages(
 ) -> None:  # fmt: skip
     """Compile, and fetch what is missing, on a rendered table before a camera runs."""
     random = np.random.default_rng(0)
-    scene = strewn_scene(catalog, list(models)[:1], random)  # one object always finds a place
+    scene = random_scene(catalog, list(models)[:1], random)  # one object always finds a place
     frame = replace(scene.frame(0.0, random), camera="warm-up")
     detected = None
     if new_hands is not None:
