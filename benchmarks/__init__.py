@@ -1,1 +1,1 @@
-"""Measurements of igrip, outside the wheel."""
+"""Measurements of igrip outside the wheel: ``python -m benchmarks``, ``.startup``, ``.tree``."""

@@ -46,7 +46,8 @@ def video(path: Path) -> Iterator[Picture]:
 
 def still(path: Path) -> Picture:
     """Return one picture."""
-    return cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
+    picture: Picture = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
+    return picture
 
 
 def run(
@@ -76,9 +77,10 @@ def print_counts(name: str, found: list[list[HandDetection]], took: NDArray[np.f
 def beside_itself(picture: Picture) -> Picture:
     """Return a picture of 1280 × 720 with the scene and its mirror image side by side."""
     half = cv2.resize(picture, (640, 360), interpolation=cv2.INTER_AREA)
-    return cv2.copyMakeBorder(
+    both: Picture = cv2.copyMakeBorder(
         np.hstack([half, half[:, ::-1]]), 180, 180, 0, 0, cv2.BORDER_REPLICATE
     )
+    return both
 
 
 def of_the_film(path: Path) -> None:

@@ -186,7 +186,7 @@ def turn_gap(
     if name == "003_cracker_box":  # half turns about its edges
         turns = [2.0 * np.outer(a, a) - np.eye(3) for a in axes.T] + turns
     if name == "005_tomato_soup_can":  # any turn about its axis, and upside down
-        cosine = abs((found @ axes[:, 2]) @ (true.pose[:3, :3] @ axes[:, 2]))
+        cosine = float(abs((found @ axes[:, 2]) @ (true.pose[:3, :3] @ axes[:, 2])))
         return float(np.degrees(np.arccos(min(1.0, cosine))))
     rotations = [found.T @ true.pose[:3, :3] @ turn for turn in turns]
     return min(float(np.degrees(Rotation.from_matrix(R).magnitude())) for R in rotations)

@@ -104,7 +104,7 @@ def main() -> None:
     moments, words = most_telling()
     viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)
     viewer.note("Task", words)
-    viewer.show_film(moments, len(moments) - 1)
+    viewer.show_replay(moments, len(moments) - 1)
     catalog = load_objects("ycb")
     zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_from)
     with sync_playwright() as play:

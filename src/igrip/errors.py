@@ -17,15 +17,19 @@ class ObservationError(IgripError, ValueError):
     ----------
     field : str
         Path of the offending field, for example ``hands.right.position[0]``.
+    object_id : str or None
+        The one object that the estimator refuses; without it, the message is accepted. An id may
+        hold dots and brackets, so it cannot be read off ``field``.
     """
 
-    def __init__(self, field: str, problem: str) -> None:
+    def __init__(self, field: str, problem: str, object_id: str | None = None) -> None:
         super().__init__(f"{field}: {problem}")
         self.field = field
         self.problem = problem
+        self.object_id = object_id
 
-    def __reduce__(self) -> tuple[type[ObservationError], tuple[str, str]]:
-        return type(self), (self.field, self.problem)
+    def __reduce__(self) -> tuple[type[ObservationError], tuple[str, str, str | None]]:
+        return type(self), (self.field, self.problem, self.object_id)
 
 
 class ObjectsError(IgripError, ValueError):

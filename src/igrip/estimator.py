@@ -129,7 +129,9 @@ class Estimator:
         if hand is not None and not self.config.commitment.assists(hand):
             raise IgripError(f"hand {hand!r:.80} is not one that a device assists")
         if hand is not None and hand not in self._committers:
-            if len(self._committers) >= 4 * self.config.tracking.max_hands:
+            unknown = self._committers.keys() - self._world.hands.keys()
+            is_followed = hand in self._world.hands
+            if not is_followed and len(unknown) >= 4 * self.config.tracking.max_hands:
                 raise IgripError(f"hand {hand!r:.80} is not known, and there are too many")
             self._committers[hand] = Committer(self.config.commitment)
         told = []

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from igrip.io.recordings.mcap_writer import McapWriter
+from igrip.io.mcap.writer import McapWriter
 from igrip.perception.cameras import CameraError, open_camera
 from rgbd_frames import frame, same
 

@@ -19,7 +19,9 @@ from igrip.perception.hands.mediapipe import MediaPipeHands
 from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.perception.pipeline.stages import hand_stages, object_stages
 from igrip.rgbd import RgbdFrame
+from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.loop import Loop
+from igrip.runtime.stream_input import StreamInput
 
 RATE, MINUTES = 30.0, float(os.environ.get("IGRIP_SOAK_MINUTES", "10"))
 
@@ -74,15 +76,18 @@ def test_ten_minutes_of_replay(ycb, shared_data):
         object_stages("depth", ycb, {"models": PAPER_OBJECTS}),
     )  # fmt: skip
     with pipeline:
-        loop = Loop(igrip.Estimator(ycb), pipeline.begin)
+        loop = Loop(
+            igrip.Estimator(ycb), RunClock(pipeline.begin), {"camera": StreamInput(pipeline)}
+        )
         used: list[tuple[float, float]] = []
 
-        def look(intentions):
+        def measure_memory(intentions):
             now = time.monotonic()
             if not used or now - used[-1][0] > 5.0:
                 used.append((now, memory()))
 
-        loop.run(pipeline, look)
+        with loop:
+            loop.run(measure_memory)
         report = pipeline.report()
     minute = int(60.0 * min(1.0, MINUTES / 3) * RATE * 0.8)
     ages = loop.latency.ages()

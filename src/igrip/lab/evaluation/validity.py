@@ -1,77 +1,51 @@
-"""Was a trial seen well enough to be judged? The paper's rules (SPEC §7)."""
+"""Whether a hand or an object was detected well enough for a valid trial (SPEC §7)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Times = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from igrip.lab.evaluation.trials import longest_run
+
 RUN = 3  # consecutive detections that count as found
 MAX_MISSED = 3  # frames in a row that may be missed afterwards
 EARLY_SECONDS, EARLY_PART = 0.5, 0.5
 
 
-class Sight(NamedTuple):
-    """How well one thing was seen in a trial.
-
-    Attributes
-    ----------
-    found : float or None
-        Time at which it was first found [s].
-    early : bool
-        Whether enough of the trial was left then.
-    max_gap : int
-        Longest row of frames in which it was missed afterwards.
-    """
+class Detection(NamedTuple):
+    """When one thing was first found in a trial [s], and why that is not enough; None: it is."""
 
     found: float | None
-    early: bool
-    max_gap: int
-
-    @property
-    def reason(self) -> str | None:
-        """Why this is not enough, in words; None if it is."""
-        if self.found is None:
-            return "never found"
-        if not self.early:
-            return "found too late"
-        if self.max_gap > MAX_MISSED:
-            return f"missed in more than {MAX_MISSED} frames in a row"
-        return None
+    problem: str | None
 
 
-def sight(times: Times, detected: Flags, begin: float, end: float) -> Sight:
-    """Judge how well one thing was seen between two times.
+def assess_detection(
+    times: Sequence[float], detected: Sequence[bool], begin: float, end: float
+) -> Detection:
+    """Assess the detections of one thing between two times.
 
-    Found: at the start of the first run of 3 consecutive detections. Early: more than 0.5 s, or
-    more than half of the trial, remained then. Gaps count from there to the end of the trial.
+    Found: at the start of the first run of 3 consecutive detections. Not too late: more than 0.5 s,
+    or more than half of the trial, remained then. Gaps count from there to the end of the trial.
 
     Parameters
     ----------
     times : (n,)
         Of the frames in which it was looked for, increasing [s].
     detected : (n,)
-        Whether it was seen in each.
+        Whether it was detected in each.
     begin, end : float
         Of the trial [s].
     """
-    within = (times >= begin) & (times <= end)
-    times, detected = times[within], detected[within]
-    runs = np.flatnonzero(np.convolve(detected, np.ones(RUN), "valid") == RUN) if (
-        len(detected) >= RUN
-    ) else np.empty(0, dtype=int)  # fmt: skip
-    if not len(runs):
-        return Sight(None, False, 0)
-    first = int(runs[0])
-    left = end - float(times[first])
-    early = left > EARLY_SECONDS or left > EARLY_PART * (end - begin)
-    return Sight(float(times[first]), early, longest_row(~detected[first:]))
-
-
-def longest_row(flags: Flags) -> int:
-    """Return the length of the longest row of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+    frames = [flag for t, flag in zip(times, detected, strict=True) if begin <= t <= end]
+    runs = [k for k in range(len(frames) - RUN + 1) if all(frames[k : k + RUN])]
+    if not runs:
+        return Detection(None, "never found")
+    found = [t for t in times if begin <= t <= end][runs[0]]
+    problem = None
+    if end - found <= EARLY_SECONDS and end - found <= EARLY_PART * (end - begin):
+        problem = "found too late"
+    elif longest_run(~np.array(frames[runs[0] :], dtype=bool))[1] > MAX_MISSED:
+        problem = f"missed in more than {MAX_MISSED} frames in a row"
+    return Detection(float(found), problem)

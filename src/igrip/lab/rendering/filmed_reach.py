@@ -9,9 +9,10 @@ import numpy as np
 
 from igrip.lab.rendering.layout import PlacedMesh, look_at
 from igrip.lab.rendering.scene import OAK, RenderedScene
-from igrip.lab.simulation.cohort import SIDES, Performance, Task, models_by_id, object_ids, perform
+from igrip.lab.simulation.cohort import SIDES, PerformedTask, TrialTask, perform
 from igrip.lab.simulation.movement import draw_habits
-from igrip.lab.simulation.parameters import Cohort, cohort
+from igrip.lab.simulation.parameters import CohortParameters, cohort_parameters
+from igrip.lab.simulation.table import models_by_id, object_ids
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
@@ -31,9 +32,9 @@ class FilmedReach:
 
     Attributes
     ----------
-    task : Task
+    task : TrialTask
         What the person does; models are the objects' ids.
-    done : Performance
+    done : PerformedTask
         What truly happens, in the protocol's world; that of the frames begins at :data:`MIDDLE`.
     scene : RenderedScene
         The table, and where the camera stands.
@@ -41,8 +42,8 @@ class FilmedReach:
         Of the camera's noise.
     """
 
-    task: Task
-    done: Performance
+    task: TrialTask
+    done: PerformedTask
     scene: RenderedScene
     seed: int
 
@@ -74,7 +75,7 @@ class FilmedReach:
 
 
 def film_reach(
-    catalog: Catalog, seed: int, world: Cohort | None = None, intrinsics: Intrinsics = OAK
+    catalog: Catalog, seed: int, world: CohortParameters | None = None, intrinsics: Intrinsics = OAK
 ) -> FilmedReach:
     """Let a simulated person do one trial of the paper's protocol, before a camera.
 
@@ -84,17 +85,17 @@ def film_reach(
         Must hold the paper's objects.
     seed : int
         Another seed, another person, table, task and camera.
-    world : Cohort, optional
+    world : CohortParameters, optional
         Of people and protocol; healthy by default.
     intrinsics : Intrinsics
         Of the camera.
     """
     random = np.random.default_rng(seed)
-    world = world or cohort("healthy")
+    world = world or cohort_parameters("healthy")
     ids = object_ids()
     names = PAPER_OBJECTS
     models = models_by_id(catalog)
-    task = Task(
+    task = TrialTask(
         hand=SIDES[int(random.integers(2))], target=ids[int(random.integers(len(ids)))],
         grip=("palmar", "pinch")[int(random.integers(2))], movement="executed",
     )  # fmt: skip
@@ -106,5 +107,5 @@ def film_reach(
         objects[name] = PlacedMesh(model, pose)
     camera = look_at(CAMERA + random.normal(0.0, SPREAD), LOOKS_AT)
     scene = RenderedScene(objects, camera, intrinsics)
-    named = Task(task.hand, names[ids.index(task.target)], task.grip, task.movement)
+    named = TrialTask(task.hand, names[ids.index(task.target)], task.grip, task.movement)
     return FilmedReach(named, done, scene, int(random.integers(2**31)))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.lab.simulation.minimum_jerk import progress
-from igrip.lab.simulation.parameters import Person
+from igrip.lab.simulation.parameters import PersonParameters
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class Habits:
     curvature: float
 
 
-def draw_habits(person: Person, random: np.random.Generator) -> Habits:
+def draw_habits(person: PersonParameters, random: np.random.Generator) -> Habits:
     """Draw a participant."""
     return Habits(
         duration=max(0.5, random.normal(person.duration, person.duration_between)),
@@ -95,7 +95,7 @@ class SimulatedReach:
 
 
 def draw_reach(
-    person: Person,
+    person: PersonParameters,
     habits: Habits,
     start: Array,
     goal: Array,
@@ -166,7 +166,7 @@ def _hesitate(
     return [one, two, *later]
 
 
-def tremor(person: Person, t: Array, random: np.random.Generator) -> Array:
+def tremor(person: PersonParameters, t: Array, random: np.random.Generator) -> Array:
     """Return the tremor of a hand at times [s], shape (n, 3) [m]."""
     phase = random.uniform(0.0, 2.0 * math.pi, 3)
     frequency = person.tremor_frequency * random.uniform(0.9, 1.1)
@@ -175,7 +175,7 @@ def tremor(person: Person, t: Array, random: np.random.Generator) -> Array:
     return shaken
 
 
-def sway(person: Person, t: Array, random: np.random.Generator) -> Array:
+def sway(person: PersonParameters, t: Array, random: np.random.Generator) -> Array:
     """Return the slow drift of a resting hand at times [s], shape (n, 3) [m]."""
     frequencies = random.uniform(0.05, 0.4, (4, 3))
     phases = random.uniform(0.0, 2.0 * math.pi, (4, 3))

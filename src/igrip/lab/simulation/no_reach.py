@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from igrip.lab.simulation.minimum_jerk import reach
 from igrip.lab.simulation.movement import sway, tremor
-from igrip.lab.simulation.parameters import Cohort
+from igrip.lab.simulation.parameters import CohortParameters
 from igrip.lab.simulation.sensors import Poses
 from igrip.lab.simulation.table import Table
 
@@ -43,7 +43,7 @@ class NoReach:
 def draw_no_reach(
     kind: str,
     table: Table,
-    cohort: Cohort,
+    cohort: CohortParameters,
     rest: Mapping[str, Array],
     seconds: float,
     random: np.random.Generator,
@@ -56,7 +56,7 @@ def draw_no_reach(
         One of :data:`KINDS`.
     table : Table
         The objects, which are there all the same.
-    cohort : Cohort
+    cohort : CohortParameters
         All parameters.
     rest : mapping of str to (3,)
         Where each palm rests [m].
@@ -95,12 +95,14 @@ def draw_no_reach(
     return NoReach(times, palms, hand, moving)
 
 
-def _wander(times: Array, pause: float, draw: object, random: np.random.Generator) -> Array:
+def _wander(
+    times: Array, pause: float, draw: Callable[[], Array], random: np.random.Generator
+) -> Array:
     """Return a walk of minimum-jerk moves between drawn points, with pauses, shape (n, 3) [m]."""
     walk = np.zeros((len(times), 3))
     here, t = np.zeros(3), float(random.uniform(0.3, 1.0 + pause))
     while t < times[-1]:
-        there = np.asarray(draw())  # type: ignore[operator]
+        there = draw()
         lasts = float(random.uniform(0.6, 1.2))
         after = times >= t
         walk[after] = reach(here, there, 0.0, (times[after] - t) / lasts)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from igrip.errors import CameraError, RecordingError
-from igrip.io.recordings.mcap_writer import McapReader
+from igrip.io.mcap.reader import McapReader
 from igrip.perception.cameras import CAMERAS
 from igrip.perception.cameras._options import split_options
 from igrip.perception.lens import Rectifier

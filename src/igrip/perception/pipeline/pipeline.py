@@ -139,7 +139,7 @@ class Pipeline:
         try:
             for frame in self._camera:
                 now = self._clock()
-                self.frames.note(now, 0.0, now - frame.t)
+                self.frames.add(now, 0.0, now - frame.t)
                 for worker in self._workers_of(frame.camera):
                     worker.inlet.put(frame)
         except Exception as error:  # raised where the observations are read

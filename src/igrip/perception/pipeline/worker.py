@@ -92,5 +92,5 @@ class Worker(Generic[T]):
                 continue
             in_a_row = 0
             now = self._clock()
-            self.meter.note(now, now - begin, now - frame.t)
+            self.meter.add(now, now - begin, now - frame.t)
             self._on_result(result)
