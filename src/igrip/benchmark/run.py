@@ -111,7 +111,7 @@ def against_peers(
     peers: dict[str, Callable[[int], object]] = {}
     missing: list[str] = []
     try:
-        embree, whole = Embree(objects), EmbreeNumpy(objects, config.rays.rays, 0.3, 10)
+        embree, whole = Embree(objects), EmbreeNumpy(objects, config.rays.rays_per_cone, 0.3, 10)
         rays = [embree.prepare(workload) if workload else [] for workload in workloads]
         peers["embreex, rays alone"] = lambda k: embree.cast(rays[k]) if rays[k] else None
         peers["embreex, whether rays meet"] = lambda k: (
@@ -225,7 +225,7 @@ def growth(catalog: Catalog, frames: int, turn: int = 1) -> dict[str, list[dict[
     def case(
         source: Catalog, objects: int = 4, rays: int = 36, models: Sequence[str] = PAPER_OBJECTS
     ) -> tuple[Estimator, list[Observation]]:
-        config = Config(targets=TARGETS, rays=RayConfig(rays=rays))
+        config = Config(targets=TARGETS, rays=RayConfig(rays_per_cone=rays))
         return Estimator(source, config), scenes.frames(WARM_UP + frames, objects, models=models)
 
     with tempfile.TemporaryDirectory() as folder:

@@ -1,39 +1,68 @@
-"""The bounding cylinders of a frame's objects, in the world."""
+"""Bounding cylinders of a frame's objects, in the world."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from igrip.compiled import kernel
 
-# columns
-MIDDLE, AXIS, HALF_LENGTH, RADIUS, VELOCITY, WIDTH = 0, 3, 6, 7, 8, 11
+Array = NDArray[np.float64]
+
+
+class Cylinders(NamedTuple):
+    """The cylinders of a frame's objects, in the order of the objects. World frame.
+
+    Attributes
+    ----------
+    centre : (o, 3)
+        Mid-points [m].
+    axis : (o, 3)
+        Unit axes.
+    half_length, radius : (o,)
+        Sizes [m].
+    velocity : (o, 3)
+        Of the objects [m/s].
+    """
+
+    centre: Array
+    axis: Array
+    half_length: Array
+    radius: Array
+    velocity: Array
+
+
+def new_cylinders(count: int) -> Cylinders:
+    """Return zeros, for :func:`place_cylinders` to write to."""
+    centre, axis, velocity = np.zeros((3, count, 3))
+    half_length, radius = np.zeros((2, count))
+    return Cylinders(centre, axis, half_length, radius, velocity)
 
 
 @kernel
-def place_cylinders(models, axes, origins, sizes, rotations, translations, velocities, out):
-    """Write mid-point, unit axis, half-length, radius and velocity of each object's cylinder.
+def place_cylinders(models, objects, out):
+    """Write the cylinder of each object.
 
     Parameters
     ----------
-    models : (o,) int64
-        Which mesh each object has.
-    axes : (m, 3, 3), origins : (m, 3)
-        Object axes by columns and mid-point of the cylinder, in the frame of the mesh.
-    sizes : (m, 2)
-        Half-length and radius [m].
-    rotations : (o, 3, 3), translations : (o, 3), velocities : (o, 3)
-        World-from-mesh pose of each object [m], and its velocity [m/s].
-    out : (o, 11), written
-        World frame [m, m/s].
+    models : ModelArrays
+        The meshes.
+    objects : ObjectArrays
+        Where they are.
+    out : Cylinders, written
+        World frame.
     """
-    for o in range(models.shape[0]):
-        mesh = models[o]
+    for o in range(objects.models.shape[0]):
+        mesh = objects.models[o]
         for row in range(3):
-            middle, axis = translations[o, row], 0.0
+            middle, axis = objects.translations[o, row], 0.0
             for column in range(3):
-                middle += rotations[o, row, column] * origins[mesh, column]
-                axis += rotations[o, row, column] * axes[mesh, column, 2]
-            out[o, MIDDLE + row] = middle
-            out[o, AXIS + row] = axis
-            out[o, VELOCITY + row] = velocities[o, row]
-        out[o, HALF_LENGTH] = sizes[mesh, 0]
-        out[o, RADIUS] = sizes[mesh, 1]
+                middle += objects.rotations[o, row, column] * models.origins[mesh, column]
+                axis += objects.rotations[o, row, column] * models.axes[mesh, column, 2]
+            out.centre[o, row] = middle
+            out.axis[o, row] = axis
+            out.velocity[o, row] = objects.velocities[o, row]
+        out.half_length[o] = models.half_lengths[mesh]
+        out.radius[o] = models.radii[mesh]

@@ -1,20 +1,76 @@
 """One step of the One-Euro filters, compiled: a scene has many objects, and each takes two steps.
 
-The state of a filter is an array of 11 numbers: value (4, the last unused for a point), derivative
-(3), velocity (3), and the time of the last sample. See :mod:`igrip.motion.filters` for the filter.
+See :mod:`igrip.motion.filters` for the filter.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 
-VALUE, DERIVATIVE, VELOCITY, TIME, STATE = 0, 4, 7, 10, 11
-# parameters
-MIN_CUTOFF, BETA, DERIVATIVE_CUTOFF = 0, 1, 2
+Array = NDArray[np.float64]
+
+# layout of the state, used in this file alone: value (4, the last unused for a point), derivative
+# (3), velocity (3), time of the last sample
+VALUE, DERIVATIVE, VELOCITY, TIME, SIZE = 0, 4, 7, 10, 11
+
+
+class FilterParameters(NamedTuple):
+    """Cutoff at rest [Hz], its growth with speed, cutoff of the derivative [Hz]."""
+
+    min_cutoff: float
+    beta: float
+    derivative_cutoff: float
+
+
+def new_filter() -> Array:
+    """Return the state of a filter before its first sample."""
+    return np.zeros(SIZE)
+
+
+@kernel
+def begin_position(state, t, position):
+    """Start a filter of a point with its first sample: 3 floats [m] at ``t`` [s]."""
+    state[TIME] = t
+    for axis in range(3):
+        state[VALUE + axis] = position[axis]
+
+
+@kernel
+def begin_orientation(state, t, quaternion):
+    """Start a filter of a rotation with its first sample: a unit quaternion at ``t`` [s]."""
+    state[TIME] = t
+    for k in range(4):
+        state[VALUE + k] = quaternion[k]
+
+
+@kernel
+def position_of(state):
+    """Return the filtered point, 3 floats [m]."""
+    return state[VALUE], state[VALUE + 1], state[VALUE + 2]
+
+
+@kernel
+def orientation_of(state):
+    """Return the filtered rotation, a unit quaternion x, y, z, w."""
+    return state[VALUE], state[VALUE + 1], state[VALUE + 2], state[VALUE + 3]
+
+
+@kernel
+def derivative_of(state):
+    """Return the low-passed derivative, 3 floats."""
+    return state[DERIVATIVE], state[DERIVATIVE + 1], state[DERIVATIVE + 2]
+
+
+@kernel
+def velocity_of(state):
+    """Return the low-passed velocity, 3 floats."""
+    return state[VELOCITY], state[VELOCITY + 1], state[VELOCITY + 2]
 
 
 @kernel
@@ -25,11 +81,11 @@ def smoothing(cutoff, dt):
 
 
 @kernel
-def _part(state, t, x, y, z, parameters):
-    """Take the step from the filtered value to the new sample; return how much of it to go."""
+def _advance(state, t, x, y, z, parameters):
+    """Use the step from the filtered value to a new sample; return the weight of the sample."""
     dt = t - state[TIME]
     state[TIME] = t
-    weight = smoothing(parameters[DERIVATIVE_CUTOFF], dt)
+    weight = smoothing(parameters.derivative_cutoff, dt)
     x, y, z = x / dt, y / dt, z / dt
     state[DERIVATIVE] += weight * (x - state[DERIVATIVE])
     state[DERIVATIVE + 1] += weight * (y - state[DERIVATIVE + 1])
@@ -37,7 +93,7 @@ def _part(state, t, x, y, z, parameters):
     speed = math.sqrt(
         state[DERIVATIVE] ** 2 + state[DERIVATIVE + 1] ** 2 + state[DERIVATIVE + 2] ** 2
     )
-    part = smoothing(parameters[MIN_CUTOFF] + parameters[BETA] * speed, dt)
+    part = smoothing(parameters.min_cutoff + parameters.beta * speed, dt)
     state[VELOCITY] += weight * (part * x - state[VELOCITY])
     state[VELOCITY + 1] += weight * (part * y - state[VELOCITY + 1])
     state[VELOCITY + 2] += weight * (part * z - state[VELOCITY + 2])
@@ -45,18 +101,20 @@ def _part(state, t, x, y, z, parameters):
 
 
 @kernel
-def step_position(state, t, x, y, z, parameters):
-    """Filter a point [m] measured at ``t`` [s]; the result is the state's value."""
+def step_position(state, t, position, parameters):
+    """Filter a point, 3 floats [m] measured at ``t`` [s]; :func:`position_of` has the result."""
+    x, y, z = position
     x, y, z = x - state[VALUE], y - state[VALUE + 1], z - state[VALUE + 2]
-    part = _part(state, t, x, y, z, parameters)
+    part = _advance(state, t, x, y, z, parameters)
     state[VALUE] += part * x
     state[VALUE + 1] += part * y
     state[VALUE + 2] += part * z
 
 
 @kernel
-def step_orientation(state, t, x, y, z, w, parameters):
-    """Filter a unit quaternion measured at ``t`` [s]; the result is the state's value."""
+def step_orientation(state, t, quaternion, parameters):
+    """Filter a unit quaternion at ``t`` [s]; :func:`orientation_of` has the result."""
+    x, y, z, w = quaternion
     # the turn from the filtered rotation to the new one, in the world: new · old⁻¹
     ox, oy, oz, ow = state[VALUE], state[VALUE + 1], state[VALUE + 2], state[VALUE + 3]
     tx = -w * ox + x * ow - y * oz + z * oy
@@ -68,7 +126,7 @@ def step_orientation(state, t, x, y, z, w, parameters):
     sine = math.sqrt(tx * tx + ty * ty + tz * tz)
     scale = 2.0 if sine < 1e-9 else 2.0 * math.atan2(sine, tw) / sine
     tx, ty, tz = scale * tx, scale * ty, scale * tz
-    part = _part(state, t, tx, ty, tz, parameters)
+    part = _advance(state, t, tx, ty, tz, parameters)
     # part of that turn, then the old rotation
     tx, ty, tz = part * tx, part * ty, part * tz
     angle = math.sqrt(tx * tx + ty * ty + tz * tz)
@@ -84,25 +142,28 @@ def step_orientation(state, t, x, y, z, w, parameters):
 
 
 @kernel
-def step_pose(position, orientation, t, x, y, z, qx, qy, qz, qw, of_position, of_orientation):
+def step_pose(
+    position_state, orientation_state, t, position, quaternion, of_position, of_orientation
+):  # fmt: skip
     """Take both steps in one call; the quaternion need not be of unit length."""
-    step_position(position, t, x, y, z, of_position)
-    n = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
-    step_orientation(orientation, t, qx / n, qy / n, qz / n, qw / n, of_orientation)
+    step_position(position_state, t, position, of_position)
+    x, y, z, w = quaternion
+    n = math.sqrt(x * x + y * y + z * z + w * w)
+    step_orientation(orientation_state, t, (x / n, y / n, z / n, w / n), of_orientation)
 
 
 @kernel
-def place(position, orientation, local, still, out):
+def place_point(position, orientation, local, rest_speed, out):
     """Write a filtered pose as matrices, with a point of the object and its velocity.
 
     Parameters
     ----------
-    position, orientation : (STATE,)
+    position, orientation : (11,)
         States of the two filters.
     local : (3,)
         A point of the object, in its own frame [m].
-    still : float
-        Below this speed the object rests [m/s].
+    rest_speed : float
+        A slower object rests: its velocity is zero [m/s].
     out : (6, 3), written
         Rotation by rows, translation, the point in the world [m], its velocity [m/s].
     """
@@ -122,5 +183,5 @@ def place(position, orientation, local, still, out):
     out[5, 0] = v[0] + b * lever[2] - c * lever[1]
     out[5, 1] = v[1] + c * lever[0] - a * lever[2]
     out[5, 2] = v[2] + a * lever[1] - b * lever[0]
-    if out[5, 0] ** 2 + out[5, 1] ** 2 + out[5, 2] ** 2 < still * still:
+    if out[5, 0] ** 2 + out[5, 1] ** 2 + out[5, 2] ** 2 < rest_speed * rest_speed:
         out[5] = 0.0

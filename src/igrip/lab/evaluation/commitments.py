@@ -31,7 +31,7 @@ class Curve:
         """Take what is known of each hand after a message, and which could not be believed."""
         for hand in doubted:
             for committer in self._committers.get(hand, ()):
-                committer.doubt()
+                committer.reject()
         for hand, seen in evidence.items():
             if hand not in self._committers:
                 self._committers[hand] = [Committer(config) for config in self._configs]
