@@ -15,7 +15,7 @@ from rich.live import Live
 from igrip.cli.console import errors, output, print_json
 from igrip.cli.live_table import markdown_of, table_of
 from igrip.cli.stream import Out, warm_up
-from igrip.commitment import EVERY, CommitmentConfig
+from igrip.commitment import ALL_HANDS, CommitmentConfig
 from igrip.config import Config
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
@@ -102,7 +102,7 @@ def live(
     Example, without a camera: igrip live --camera rendered
     """
     commitment = CommitmentConfig(
-        assisted=tuple(assisted) if assisted else EVERY, reliability=reliability,
+        assisted=tuple(assisted) if assisted else ALL_HANDS, reliability=reliability,
         needs_confirmation=confirm,
     )  # fmt: skip
     config = Config(commitment=commitment, targets=targets or Config().targets)

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import errors
-from igrip.commitment import EVERY, CommitmentConfig
+from igrip.commitment import ALL_HANDS, CommitmentConfig
 from igrip.config import Config
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
@@ -95,7 +95,7 @@ def stream(
     if senders_clock and not lone:
         raise IgripError("--senders-clock is for --in stdin alone: of several, one would rule time")
     commitment = CommitmentConfig(
-        assisted=tuple(assisted) if assisted else EVERY, reliability=reliability,
+        assisted=tuple(assisted) if assisted else ALL_HANDS, reliability=reliability,
         needs_confirmation=confirm,
     )  # fmt: skip
     config = Config(commitment=commitment, targets=targets or Config().targets)
