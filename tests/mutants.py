@@ -36,13 +36,19 @@ PRELOADED = (
 )  # fmt: skip
 # tests of a module that do not stand in the file of its name
 MORE_TESTS = {
-    "motion": ("tests/motion", "tests/golden", "tests/test_estimator_oracle.py"),
+    "motion": (
+        "tests/motion", "tests/golden", "tests/test_estimator_oracle.py", "tests/test_config.py"
+    ),
     "mesh": ("tests/mesh", "tests/geometry"),
-    "geometry": ("tests/geometry", "tests/golden", "tests/grips", "tests/test_estimator_oracle.py"),
-    "cues": ("tests/cues", "tests/golden"),
+    "geometry": (
+        "tests/geometry", "tests/golden", "tests/grips", "tests/test_estimator_oracle.py",
+        "tests/test_config.py",
+    ),
+    "cues": ("tests/cues", "tests/golden", "tests/test_config.py"),
     "targets": ("tests/targets", "tests/golden"),
-    "commitment": ("tests/test_commitment.py", "tests/test_commitment_machine.py"),
-    "gating": ("tests/test_gating.py", "tests/motion/test_hand_track.py"),
+    "commitment": ("tests/test_commitment.py", "tests/test_config.py"),
+    "evidence": ("tests/test_commitment.py", "tests/test_evidence.py"),
+    "gating": ("tests/test_gating.py", "tests/motion/test_hand_track.py", "tests/test_config.py"),
 }  # fmt: skip
 ARITHMETIC = ("Add", "Sub", "Mul", "Div", "FloorDiv", "Mod")
 COMPARISONS = ("Eq", "NotEq", "Lt", "LtE", "Gt", "GtE")
@@ -100,7 +106,7 @@ class Replacement(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         return spec
 
     def exec_module(self, module):
-        exec(compile(self.source, str(self.path), "exec"), module.__dict__)  # noqa: S102
+        exec(compile(self.source, str(self.path), "exec"), module.__dict__)
 
 
 class Timing:
@@ -113,7 +119,9 @@ class Timing:
     def pytest_collection_modifyitems(self, items):
         if self.seconds is not None:
             known = [i for i in items if self.seconds.get(i.nodeid, 9e9) <= self.limit]
-            items[:] = sorted(known, key=lambda i: (self.own not in i.nodeid, self.seconds[i.nodeid]))
+            items[:] = sorted(
+                known, key=lambda i: (self.own not in i.nodeid, self.seconds[i.nodeid])
+            )
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item):
@@ -171,7 +179,9 @@ def survives(tests, seconds, limit, path, source, timeout) -> bool:
         status = 1
         try:
             os.setpgid(0, 0)
-            status = run(tests, Timing(seconds, limit, f"test_{path.stem}.py"), Replacement(path, source))
+            status = run(
+                tests, Timing(seconds, limit, f"test_{path.stem}.py"), Replacement(path, source)
+            )
         finally:
             os._exit(status)
     ends = time.monotonic() + timeout
@@ -202,6 +212,8 @@ def judge(path: Path, options: argparse.Namespace) -> tuple[int, int]:
     sample = every[: options.sample or None]
     tests = tests_of(path)
     seconds = baseline(tests, path)
+    if not seconds or min(seconds.values()) > options.slowest:
+        raise SystemExit(f"{path}: no test passes; run them without mutants first")
     fast = [spent for spent in seconds.values() if spent <= options.slowest]
     timeout = 20.0 + 10.0 * sum(fast)
 

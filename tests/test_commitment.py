@@ -16,8 +16,8 @@ def evidence(t, confidence=None, **changed):
     best = max(confidence, key=confidence.get) if confidence else None
     fields = {
         "t": t, "measured": t, "position": (0.0, 0.0, 0.0), "trusted": True, "moving": True,
-        "target": best, "grip": "palmar", "confidence": confidence, "trusted_objects": set(confidence),
-        "distances": {"cup": 0.3, "jug": 0.5},
+        "target": best, "grip": "palmar", "confidence": confidence,
+        "trusted_objects": set(confidence), "distances": {"cup": 0.3, "jug": 0.5},
     }  # fmt: skip
     return Evidence(**(fields | changed))
 
@@ -134,7 +134,9 @@ def test_what_is_hidden_in_the_hand_is_not_taken_for_left():
     away = {"position": (0.3, 0.0, 0.0), "trusted_objects": set()}
     assert committer.update(evidence(t + 0.1, distances={"cup": 0.3}, **away)) is None
     assert committer.state == "holding"
-    committer.update(evidence(t + 2.5, distances={}, **away))  # it is given up, and the hand elsewhere
+    committer.update(
+        evidence(t + 2.5, distances={}, **away)
+    )  # it is given up, and the hand elsewhere
     assert committer.state == "open"
 
 

@@ -79,7 +79,9 @@ def gather(tables: Path, persons: int, folds: Sequence[int] = LEARNED_FROM) -> P
     groups = [jobs[k : k + EACH] for k in range(0, len(jobs), EACH)]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         real = _collected(pool.map(real_part, groups), len(groups), "groups of real reaches")
-        simulated = _collected(pool.map(simulated_part, range(persons)), persons, "simulated people")
+        simulated = _collected(
+            pool.map(simulated_part, range(persons)), persons, "simulated people"
+        )
     moments = [thinned(joined([p.moments for p in parts]), SEED) for parts in (real, simulated)]
     moments[0].weight[:] *= REAL * moments[1].weight.sum() / moments[0].weight.sum()
     every = [*real, *simulated]
@@ -130,7 +132,8 @@ def main() -> int:
     learned, grip = fit_library(demonstrations, SEED), fit_grip(approaches)
     passed = time.monotonic() - began
     print(
-        f"{len(moments.target)} moments, loss {loss:.4f}; {len(demonstrations)} reaches; {passed:.0f} s",
+        f"{len(moments.target)} moments, loss {loss:.4f}; {len(demonstrations)} reaches; "
+        f"{passed:.0f} s",
         file=sys.stderr,
     )
     if asked.check:

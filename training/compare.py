@@ -89,7 +89,9 @@ def main() -> None:
     folds = [fold for fold in LEARNED_FROM if fold != VALIDATION]
     moments = gather(tables, persons, folds).moments
     with ProcessPoolExecutor() as pool:
-        judged = list(pool.map(validation_reach, real_recordings(tables, 3, [VALIDATION]), chunksize=40))
+        judged = list(
+            pool.map(validation_reach, real_recordings(tables, 3, [VALIDATION]), chunksize=40)
+        )
         for part in pool.map(simulated, range(PERSONS, PERSONS + MORE)):
             judged += part
     sets = {

@@ -59,8 +59,9 @@ def demonstrated(recording: Recording, frames: Frames) -> Demonstration | None:
             elapsed, place, speed = [], [], []
         elapsed.append(reach.elapsed)
         place.append(reach.place[ids.index(str(recording.target))])
-        speed.append(float(np.linalg.norm(motion.reach.velocity)))
-        distance = float(np.linalg.norm(motion.reach.position - motion.reach.start))
+        position, velocity, _ = motion.reach.now
+        speed.append(float(np.linalg.norm(velocity)))
+        distance = float(np.linalg.norm(position - motion.reach.start))
     if len(elapsed) < 5:
         return None
     return Demonstration(np.array(elapsed), np.array(place), np.array(speed), distance)

@@ -137,7 +137,9 @@ def follow(recording: Recording) -> Frames:
     for message in recording.messages:
         for hand in tracker.update(message):
             if hand.id == recording.hand and hand.motion and hand.is_followed:
-                frames.append((hand.motion, scene.measure([hand.motion], tracker.placed_objects())[0]))
+                frames.append(
+                    (hand.motion, scene.measure([hand.motion], tracker.placed_objects())[0])
+                )
     return frames
 
 

@@ -1,4 +1,4 @@
-"""Assembly of an intention, and of the evidence for a commitment, from the results of the stages."""
+"""Assembly of intentions, and of the evidence for commitments, from the results of the stages."""
 
 from __future__ import annotations
 

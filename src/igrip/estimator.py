@@ -220,13 +220,15 @@ class Estimator:
             self._targets.pop(id, None)
             if id in self._committers and not self._committers[id].vetoed:
                 del self._committers[id]
-        self._rejected_hands = {hand.id for hand in measured} - intentions.keys()
-        for id in self._rejected_hands & self._committers.keys():
-            self._committers[id].reject()
+        self._rejected_hands = {hand.id for hand in measured if hand.id not in intentions}
+        for id in self._rejected_hands:
+            if id in self._committers:
+                self._committers[id].reject()
         for id, hand in hands.items():
+            if id in intentions:
+                continue
             before, status = self._latest.get(id), self._status(hand)
-            changed = before is None or status != before.status
-            if id not in intentions and (changed or id in self._rejected_hands):
+            if before is None or status != before.status or id in self._rejected_hands:
                 reason = hand.reason(t)
                 intentions[id] = Intention(t=t, hand=id, status=status, reason=reason)
         self._latest.update(intentions)

@@ -20,7 +20,11 @@ class GatingConfig(Settings):
     """Limits beyond which a measurement is rejected or marked."""
 
     future_tolerance: float = quantity(
-        0.05, "s", "a measurement may be this much newer than the arrival of its message", "guess", ge=0
+        0.05,
+        "s",
+        "a measurement may be this much newer than the arrival of its message",
+        "guess",
+        ge=0,
     )
     restart_after: float = quantity(
         0.3, "s", "a stream that was rejected for this long starts anew", "DESIGN §3", gt=0

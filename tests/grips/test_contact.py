@@ -17,7 +17,7 @@ PLACE = {"can": np.array([0.0, 0.4, 0.05])}
 
 def approached(position, velocity):
     """Return the inputs for an upright cylinder at the origin, half-length 0.1, radius 0.03."""
-    upright = Cylinders(
+    upright = Cylinders.of(
         np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.array([0.1]), np.array([0.03]),
         np.zeros((1, 3)),
     )  # fmt: skip

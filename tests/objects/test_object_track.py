@@ -47,7 +47,9 @@ def test_pose_agrees_with_the_oracle(shapes):
     ours = track(shapes)
     for k in range(30):
         seen(ours, times[k] + 0.05, points[k], turns[k], t=times[k])
-        assert ours.place(np.zeros(3)).translation == pytest.approx(expected[k], rel=1e-9, abs=1e-12)
+        assert ours.place(np.zeros(3)).translation == pytest.approx(
+            expected[k], rel=1e-9, abs=1e-12
+        )
         assert ours.place(np.zeros(3)).rotation == pytest.approx(rotations[k].as_matrix(), abs=1e-9)
 
 

@@ -142,7 +142,9 @@ def test_turning_the_world_or_renaming_changes_nothing(shapes):
 
 def test_pooling_is_the_stated_formula():
     posterior, scores, keep, change = np.array([0.2, 0.3, 0.5]), np.array([1.0, -2.0]), 0.7, 0.01
-    logs = keep * np.log((1 - change) * posterior + change / 3) + (1 - keep) * np.array([1.0, -2.0, 0])
+    logs = keep * np.log((1 - change) * posterior + change / 3) + (1 - keep) * np.array(
+        [1.0, -2.0, 0]
+    )
     pool(posterior, scores, keep, change)
     assert posterior == pytest.approx(np.exp(logs) / np.exp(logs).sum())
 
@@ -185,7 +187,7 @@ def test_a_hand_that_rests_in_noise_is_given_nothing(shapes, rate, noise):
         SPREAD["left"], SPREAD, rate, rest=20.0, lasts=0.5, hold=0.0, noise=noise, seed=2
     )
     at_rest = [i for i in intentions_of(messages, shapes) if 1.0 < i.t < 19.9]
-    assert np.mean([likeliest(i) == "none" for i in resting_]) > 0.99
+    assert np.mean([likeliest(i) == "none" for i in at_rest]) > 0.99
     assert not any(i.commitment for i in at_rest)
 
 

@@ -44,11 +44,11 @@ def ray_pattern(rays: int) -> Array:
 
 
 @kernel
-def cone_tangent(speed, cones):
+def cone_tangent(speed, slow_speed, slow_angle, fast_speed, fast_angle):
     """Return the tangent of the half-angle of the cone at a local speed, interpolated linearly."""
-    part = (speed - cones.slow_speed) / (cones.fast_speed - cones.slow_speed)
+    part = (speed - slow_speed) / (fast_speed - slow_speed)
     part = min(1.0, max(0.0, part))
-    return np.tan(cones.slow_angle + part * (cones.fast_angle - cones.slow_angle))
+    return np.tan(slow_angle + part * (fast_angle - slow_angle))
 
 
 @kernel

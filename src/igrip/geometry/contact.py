@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.geometry.object_frame import distance, distance2, to_mesh
+from igrip.geometry.packed_models import ModelArrays
 from igrip.mesh.bvh import STACK
 from igrip.mesh.nearest import nearest
 
+Array = NDArray[np.float64]
 MAX_STEPS = 400  # a path is followed in steps of at least this part of the horizon
 TOLERANCE = 1e-4  # m; of the distance at contact
 SPHERE_MARGIN = 0.05  # m; further than this from a bounding sphere the sphere stands for the mesh
 
 
-@kernel
-def approach(models, model, rotation, translation, coefficients, reach, horizon):
+def approach(
+    models: ModelArrays, model: int, rotation: Array, translation: Array, coefficients: Array,
+    reach: float, horizon: float,
+) -> tuple[float, Array]:  # fmt: skip
     """Find when a predicted path first comes within ``reach`` of the surface of one mesh.
 
     Conservative advancement: within a time h the path cannot lead further than
@@ -35,11 +40,26 @@ def approach(models, model, rotation, translation, coefficients, reach, horizon)
 
     Returns
     -------
-    s, x, y, z : float
-        Time [s], NaN if not before the horizon, and the nearest surface point, mesh frame [m].
+    time : float
+        [s]; NaN if not before the horizon.
+    point : (3,)
+        The nearest surface point then, mesh frame [m].
     """
-    bvh, sphere = models.bvh, models.spheres[model]
-    first_node, first_leaf = models.starts[model, 0], models.starts[model, 1]
+    out = np.empty(4)
+    _approach(
+        models.boxes, models.links, models.triangles, models.starts[model], models.spheres[model],
+        rotation, translation, coefficients, reach, horizon, out,
+    )  # fmt: skip
+    return float(out[0]), out[1:]
+
+
+@kernel
+def _approach(
+    boxes, links, triangles, start, sphere, rotation, translation, coefficients, reach, horizon,
+    out,
+):  # fmt: skip
+    """Write time and point of :func:`approach` to ``out``, shape (4,)."""
+    out[0] = np.nan
     stack = np.empty(STACK, dtype=np.int32)
     near_stack = np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
@@ -66,14 +86,15 @@ def approach(models, model, rotation, translation, coefficients, reach, horizon)
         if left < SPHERE_MARGIN:
             # what was nearest a step ago bounds what is nearest now
             surface, x, y, z = nearest(
-                bvh.boxes, bvh.links, bvh.leaves, first_node, first_leaf,
+                boxes, links, triangles, start[0], start[1],
                 p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
             )  # fmt: skip
             left = surface - reach
         if left <= TOLERANCE:
             inside = s
             if left >= 0.0 or inside - outside <= 1e-3 * min_step:
-                return s, x, y, z
+                out[0], out[1], out[2], out[3] = s, x, y, z
+                return
         else:
             outside = s
         if inside < np.inf:  # a minimal step led too far in: back to the border
@@ -82,8 +103,8 @@ def approach(models, model, rotation, translation, coefficients, reach, horizon)
         # the positive root of |c2| h² + |v| h = left, in the form that loses no digits
         root = speed + np.sqrt(speed * speed + 4.0 * bend * left)
         if not root > 1e-9:
-            return np.nan, x, y, z
+            return
         # a shallow approach would creep, each step a part of the last
         s += max(2.0 * left / root, min_step)
         if not s <= horizon:
-            return np.nan, x, y, z
+            return

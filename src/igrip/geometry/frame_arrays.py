@@ -69,3 +69,9 @@ class Measurements(NamedTuple):
     centre: Array
     centre_rate: Array
     axial: Array
+
+    @classmethod
+    def empty(cls, hands: int, objects: int) -> Measurements:
+        """Return arrays of this shape, for a kernel to write to."""
+        hits = np.empty((hands, objects), dtype=np.int64)
+        return cls(hits, *np.empty((len(cls._fields) - 1, hands, objects)))

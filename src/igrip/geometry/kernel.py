@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.geometry.cones import (
+    Cones,
     cone_can_meet,
     cone_frame,
     cone_tangent,
@@ -16,25 +15,16 @@ from igrip.geometry.cones import (
     ray_direction,
     sphere_from,
 )
-from igrip.geometry.frame_arrays import Measurements
+from igrip.geometry.frame_arrays import HandArrays, Measurements, ObjectArrays
 from igrip.geometry.object_frame import distance2, to_mesh, turn_to_mesh
+from igrip.geometry.packed_models import ModelArrays
 from igrip.mesh.bvh import STACK
 from igrip.mesh.nearest import nearest
-from igrip.mesh.ray import cast_ray, meets_mesh
+from igrip.mesh.ray import meets_mesh
 
 Array = NDArray[np.float64]
+Counters = NDArray[np.int64]
 RAYS = 2  # counter of rays; the tree queries count their nodes in 0 and 1
-
-
-class Scratch(NamedTuple):
-    """Memory of :func:`_count_hits`, allocated once a call of :func:`measure`."""
-
-    stack: NDArray[np.int32]
-    apex: Array
-    velocity: Array
-    direction: Array
-    frame: Array
-    inner_spheres: Array
 
 
 @kernel
@@ -46,77 +36,9 @@ def _mean(points, out):
         out[axis] = total / points.shape[0]
 
 
-@kernel
-def _count_hits(
-    models, model, rotation, translation, future, future_velocity, tangents, cones, scratch,
-    counters,
-):  # fmt: skip
-    """Count the rays of a hand's cones that meet one mesh.
-
-    Parameters
-    ----------
-    models, model : ModelArrays, int
-        The mesh.
-    rotation, translation : (3, 3), (3,)
-        World-from-mesh pose [m].
-    future, future_velocity : (f, 3)
-        Predicted points of the hand and their velocities, world frame [m, m/s].
-    tangents : (f,)
-        Of the half-angle of each point's cone; negative: no cone.
-    cones : Cones
-        The ray pattern.
-    scratch : Scratch
-        Overwritten.
-    counters : (3,) int64, added to
-        As for :func:`measure`.
-    """
-    stack, p, v, d, frame, placed = scratch
-    bvh, pattern, sphere = models.bvh, cones.pattern, models.spheres[model]
-    inner = models.inscribed_spheres[model]
-    hits = 0
-    for k in range(future.shape[0]):
-        if tangents[k] < 0.0:
-            continue
-        counters[RAYS] += pattern.shape[0]
-        turn_to_mesh(rotation, future_velocity[k], v)
-        to_mesh(rotation, translation, future[k], p)
-        if not cone_can_meet(v, tangents[k], p, sphere):
-            continue
-        cone_frame(p, v, sphere, models.axes[model], frame)
-        ahead, aside, across, gap2 = sphere_from(frame, p, sphere)
-        count = 0
-        for n in range(inner.shape[0]):
-            if inner[n, 3] <= 0.0:
-                break
-            placed[n, 0], placed[n, 1], placed[n, 2], placed[n, 3] = sphere_from(
-                frame, p, inner[n]
-            )
-            count += 1
-        for ray in range(pattern.shape[0]):
-            a, b = tangents[k] * pattern[ray, 0], tangents[k] * pattern[ray, 1]
-            if not ray_can_meet(ahead, aside, across, gap2, a, b):
-                continue
-            inside = False
-            for n in range(count):
-                inside = ray_can_meet(
-                    placed[n, 0], placed[n, 1], placed[n, 2], placed[n, 3], a, b
-                )
-                if inside:
-                    break
-            if inside:
-                hits += 1
-                continue
-            ray_direction(frame, tangents[k], pattern, ray, d)
-            if meets_mesh(
-                bvh.boxes, bvh.links, bvh.leaves, models.starts[model, 0], models.starts[model, 1],
-                p[0], p[1], p[2], d[0], d[1], d[2], stack, counters,
-            ):  # fmt: skip
-                hits += 1
-    return hits
-
-
-@kernel
-def measure(models, objects, hands, cones, counters):
+def measure(
+    models: ModelArrays, objects: ObjectArrays, hands: HandArrays, cones: Cones, counters: Counters
+) -> Measurements:
     """Measure every hand against every object.
 
     Parameters
@@ -131,71 +53,115 @@ def measure(models, objects, hands, cones, counters):
         Of rays from the predicted points.
     counters : (3,) int64, added to
         Tree nodes visited by rays and by nearest-point queries, and rays cast.
-
-    Returns
-    -------
-    Measurements
-        Of shape (h, o).
     """
-    shape = (hands.positions.shape[0], objects.models.shape[0])
-    out = Measurements(
-        np.empty(shape, dtype=np.int64), np.empty(shape), np.empty(shape), np.empty(shape),
-        np.empty(shape), np.empty(shape),
-    )  # fmt: skip
+    out = Measurements.empty(len(hands.positions), len(objects.models))
+    _measure(*models, *objects, *hands, *cones, *out, counters)
+    return out
+
+
+@kernel
+def _measure(
+    boxes, links, triangles, vertex_boxes, vertex_links, vertices, starts, spheres,
+    inscribed_spheres, axes, origins, sizes,
+    models, rotations, translations, centres, centre_velocities,
+    positions, velocities, futures, future_velocities,
+    pattern, slow_speed, slow_angle, fast_speed, fast_angle, min_speed,
+    hits, vertex, future_vertex, centre, centre_rate, axial, counters,
+):  # fmt: skip
+    """Write the result of :func:`measure`.
+
+    The parameters are the fields of its parameters, in order: numba reads arrays from Python, and
+    passes them on, much faster than named tuples.
+    """
     stack = np.empty(STACK, dtype=np.int32)
     near_stack = np.empty(STACK)
-    p, barycentre = np.empty(3), np.empty(3)
-    vertices, starts = models.vertices, models.starts
-    positions, velocities = hands.positions, hands.velocities
-    tangents = np.empty(hands.futures.shape[1])
-    scratch = Scratch(
-        stack, np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3)),
-        np.empty((models.inscribed_spheres.shape[1], 4)),
-    )  # fmt: skip
-    for h in range(shape[0]):
-        for k in range(tangents.shape[0]):
+    p, v, d = np.empty(3), np.empty(3), np.empty(3)
+    frame = np.empty((3, 3))
+    barycentre = np.empty(3)
+    points = futures.shape[1]
+    tangents = np.empty(points)
+    inner = np.empty((inscribed_spheres.shape[1], 4))
+    for h in range(positions.shape[0]):
+        for k in range(points):
             speed = np.sqrt(
-                hands.future_velocities[h, k, 0] ** 2
-                + hands.future_velocities[h, k, 1] ** 2
-                + hands.future_velocities[h, k, 2] ** 2
+                future_velocities[h, k, 0] ** 2
+                + future_velocities[h, k, 1] ** 2
+                + future_velocities[h, k, 2] ** 2
             )
-            has_cone = speed >= cones.min_speed and speed > 0.0
-            tangents[k] = cone_tangent(speed, cones) if has_cone else -1.0
-        _mean(hands.futures[h], barycentre)
-        for o in range(shape[1]):
-            model = objects.models[o]
-            rotation, translation = objects.rotations[o], objects.translations[o]
-            to_mesh(rotation, translation, positions[h], p)
-            out.vertex[h, o], x, y, z = nearest(
-                vertices.boxes, vertices.links, vertices.leaves, starts[model, 2], starts[model, 3],
+            tangents[k] = -1.0
+            if speed >= min_speed and speed > 0.0:
+                tangents[k] = cone_tangent(speed, slow_speed, slow_angle, fast_speed, fast_angle)
+        _mean(futures[h], barycentre)
+        for o in range(models.shape[0]):
+            model = models[o]
+            sphere = spheres[model]
+            to_mesh(rotations[o], translations[o], positions[h], p)
+            vertex[h, o], x, y, z = nearest(
+                vertex_boxes, vertex_links, vertices, starts[model, 2], starts[model, 3],
                 p[0], p[1], p[2], np.inf, stack, near_stack, counters,
             )  # fmt: skip
             along = 0.0
             away2 = 0.0
             rate = 0.0
             for axis in range(3):
-                along += (p[axis] - models.origins[model, axis]) * models.axes[model, axis, 2]
-                away = positions[h, axis] - objects.centres[o, axis]
+                along += (p[axis] - origins[model, axis]) * axes[model, axis, 2]
+                away = positions[h, axis] - centres[o, axis]
                 away2 += away * away
-                rate += away * (velocities[h, axis] - objects.velocities[o, axis])
-            out.axial[h, o] = along
-            out.centre[h, o] = np.sqrt(away2)
-            out.centre_rate[h, o] = rate / max(out.centre[h, o], 1e-9)
+                rate += away * (velocities[h, axis] - centre_velocities[o, axis])
+            axial[h, o] = along
+            centre[h, o] = np.sqrt(away2)
+            centre_rate[h, o] = rate / max(centre[h, o], 1e-9)
             # what is nearest to the hand bounds what is nearest to the point ahead of it
-            to_mesh(rotation, translation, barycentre, p)
-            out.future_vertex[h, o], _, _, _ = nearest(
-                vertices.boxes, vertices.links, vertices.leaves, starts[model, 2], starts[model, 3],
+            to_mesh(rotations[o], translations[o], barycentre, p)
+            future_vertex[h, o], _, _, _ = nearest(
+                vertex_boxes, vertex_links, vertices, starts[model, 2], starts[model, 3],
                 p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
             )  # fmt: skip
-            out.hits[h, o] = _count_hits(
-                models, model, rotation, translation, hands.futures[h],
-                hands.future_velocities[h], tangents, cones, scratch, counters,
-            )  # fmt: skip
-    return out
+            met = 0
+            for k in range(points):
+                if tangents[k] < 0.0:
+                    continue
+                counters[RAYS] += pattern.shape[0]
+                turn_to_mesh(rotations[o], future_velocities[h, k], v)
+                to_mesh(rotations[o], translations[o], futures[h, k], p)
+                if not cone_can_meet(v, tangents[k], p, sphere):
+                    continue
+                cone_frame(p, v, sphere, axes[model], frame)
+                ahead, aside, across, gap2 = sphere_from(frame, p, sphere)
+                count = 0
+                for n in range(inscribed_spheres.shape[1]):
+                    if inscribed_spheres[model, n, 3] <= 0.0:
+                        break
+                    inner[n, 0], inner[n, 1], inner[n, 2], inner[n, 3] = sphere_from(
+                        frame, p, inscribed_spheres[model, n]
+                    )
+                    count += 1
+                for ray in range(pattern.shape[0]):
+                    a, b = tangents[k] * pattern[ray, 0], tangents[k] * pattern[ray, 1]
+                    if not ray_can_meet(ahead, aside, across, gap2, a, b):
+                        continue
+                    inside = False
+                    for n in range(count):
+                        inside = ray_can_meet(
+                            inner[n, 0], inner[n, 1], inner[n, 2], inner[n, 3], a, b
+                        )
+                        if inside:
+                            break
+                    if inside:
+                        met += 1
+                        continue
+                    ray_direction(frame, tangents[k], pattern, ray, d)
+                    if meets_mesh(
+                        boxes, links, triangles, starts[model, 0], starts[model, 1],
+                        p[0], p[1], p[2], d[0], d[1], d[2], stack, counters,
+                    ):  # fmt: skip
+                        met += 1
+            hits[h, o] = met
 
 
-@kernel
-def surfaces(models, objects, hands, counters):
+def surfaces(
+    models: ModelArrays, objects: ObjectArrays, hands: HandArrays, counters: Counters
+) -> Array:
     """Measure to the nearest surface points; the parameters are those of :func:`measure`.
 
     Returns
@@ -203,76 +169,35 @@ def surfaces(models, objects, hands, counters):
     (2, h, o)
         Distance from the hand, and from the barycentre of its predicted points [m].
     """
-    stack = np.empty(STACK, dtype=np.int32)
-    near_stack = np.empty(STACK)
-    barycentre, p = np.empty(3), np.empty(3)
-    bvh, starts = models.bvh, models.starts
-    distances = np.empty((2, hands.positions.shape[0], objects.models.shape[0]))
-    for h in range(distances.shape[1]):
-        _mean(hands.futures[h], barycentre)
-        for o in range(distances.shape[2]):
-            model = objects.models[o]
-            x = y = z = np.inf
-            for ahead in range(2):
-                point = barycentre if ahead else hands.positions[h]
-                to_mesh(objects.rotations[o], objects.translations[o], point, p)
-                distances[ahead, h, o], x, y, z = nearest(
-                    bvh.boxes, bvh.links, bvh.leaves, starts[model, 0], starts[model, 1],
-                    p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
-                )  # fmt: skip
+    distances = np.empty((2, len(hands.positions), len(objects.models)))
+    _surfaces(
+        models.boxes, models.links, models.triangles, models.starts,
+        objects.models, objects.rotations, objects.translations,
+        hands.positions, hands.futures, distances, counters,
+    )  # fmt: skip
     return distances
 
 
 @kernel
-def cone_impacts(models, model, rotation, translation, future, future_velocity, cones):
-    """Cast the same rays as :func:`measure` for one pair and keep where they go, to be drawn.
-
-    Parameters
-    ----------
-    models, model : ModelArrays, int
-        The mesh.
-    rotation, translation : (3, 3), (3,)
-        World-from-mesh pose [m].
-    future, future_velocity : (f, 3)
-        Predicted points of the hand and their velocities, world frame [m, m/s].
-    cones : Cones
-        Of rays.
-
-    Returns
-    -------
-    directions : (f, r, 3)
-        World frame, not unit vectors; NaN where a point has no cone.
-    lengths : (f, r)
-        To the first impact in units of the direction; infinity for a miss.
-    """
+def _surfaces(
+    boxes, links, triangles, starts, models, rotations, translations, positions, futures,
+    distances, counters,
+):  # fmt: skip
+    """Write the distances of :func:`surfaces`."""
     stack = np.empty(STACK, dtype=np.int32)
-    counters = np.zeros(3, dtype=np.int64)
-    p, v, d = np.empty(3), np.empty(3), np.empty(3)
-    frame = np.empty((3, 3))
-    bvh, starts, pattern = models.bvh, models.starts, cones.pattern
-    directions = np.empty((future.shape[0], pattern.shape[0], 3))
-    lengths = np.empty((future.shape[0], pattern.shape[0]))
-    for k in range(future.shape[0]):
-        turn_to_mesh(rotation, future_velocity[k], v)
-        speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-        if not speed >= cones.min_speed or speed == 0.0:
-            directions[k] = np.nan
-            lengths[k] = np.inf
-            continue
-        to_mesh(rotation, translation, future[k], p)
-        tangent = cone_tangent(speed, cones)
-        cone_frame(p, v, models.spheres[model], models.axes[model], frame)
-        for ray in range(pattern.shape[0]):
-            ray_direction(frame, tangent, pattern, ray, d)
-            lengths[k, ray] = cast_ray(
-                bvh.boxes, bvh.links, bvh.leaves, starts[model, 0], starts[model, 1],
-                p[0], p[1], p[2], d[0], d[1], d[2], stack, counters,
-            )  # fmt: skip
-            for i in range(3):
-                directions[k, ray, i] = (
-                    rotation[i, 0] * d[0] + rotation[i, 1] * d[1] + rotation[i, 2] * d[2]
-                )
-    return directions, lengths
+    near_stack = np.empty(STACK)
+    barycentre, p = np.empty(3), np.empty(3)
+    for h in range(positions.shape[0]):
+        _mean(futures[h], barycentre)
+        for o in range(models.shape[0]):
+            x = y = z = np.inf
+            for ahead in range(2):
+                point = barycentre if ahead else positions[h]
+                to_mesh(rotations[o], translations[o], point, p)
+                distances[ahead, h, o], x, y, z = nearest(
+                    boxes, links, triangles, starts[models[o], 0], starts[models[o], 1],
+                    p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
+                )  # fmt: skip
 
 
 @kernel

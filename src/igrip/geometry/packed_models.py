@@ -20,8 +20,10 @@ class ModelArrays(NamedTuple):
 
     Attributes
     ----------
-    bvh, vertices : Bvh
-        Trees of their triangles and of their vertices.
+    boxes, links, triangles : arrays
+        Trees of their triangles, as a :class:`igrip.mesh.bvh.Bvh`.
+    vertex_boxes, vertex_links, vertices : arrays
+        Trees of their vertices, likewise.
     starts : (m, 4) int64
         First node and first triangle, first node and first vertex of each.
     spheres : (m, 4)
@@ -30,19 +32,22 @@ class ModelArrays(NamedTuple):
         Spheres inside each, centre and radius [m]; a negative radius: none.
     axes, origins : (m, 3, 3), (m, 3)
         Object axes by columns, and origin of the object frame [m].
-    half_lengths, radii : (m,)
-        Of their bounding cylinders [m].
+    sizes : (m, 2)
+        Half-length and radius of the bounding cylinder of each [m].
     """
 
-    bvh: Bvh
-    vertices: Bvh
+    boxes: NDArray[np.float32]
+    links: NDArray[np.int32]
+    triangles: Array
+    vertex_boxes: NDArray[np.float32]
+    vertex_links: NDArray[np.int32]
+    vertices: Array
     starts: NDArray[np.int64]
     spheres: Array
     inscribed_spheres: Array
     axes: Array
     origins: Array
-    half_lengths: Array
-    radii: Array
+    sizes: Array
 
 
 class PackedModels(NamedTuple):
@@ -67,8 +72,8 @@ def pack(models: dict[str, ObjectModel]) -> PackedModels:
     bvh, triangle_starts = _joined((model.bvh for model in every), 9)
     vertices, vertex_starts = _joined((model.vertex_tree for model in every), 3)
     arrays = ModelArrays(
-        bvh=bvh,
-        vertices=vertices,
+        *bvh,
+        *vertices,
         starts=np.concatenate([triangle_starts, vertex_starts], axis=1),
         spheres=np.array([m.sphere for m in every]).reshape(-1, 4),
         inscribed_spheres=np.array([m.inscribed_spheres for m in every]).reshape(
@@ -76,8 +81,7 @@ def pack(models: dict[str, ObjectModel]) -> PackedModels:
         ),
         axes=np.array([m.mesh_from_object[:3, :3] for m in every]).reshape(-1, 3, 3),
         origins=np.array([m.origin for m in every]).reshape(-1, 3),
-        half_lengths=np.array([0.5 * m.length for m in every]),
-        radii=np.array([m.radius for m in every]),
+        sizes=np.array([(0.5 * m.length, m.radius) for m in every]).reshape(-1, 2),
     )
     return PackedModels(models, {name: number for number, name in enumerate(models)}, arrays)
 

@@ -14,7 +14,8 @@ from igrip.entities import Vector
 from igrip.geometry import kernel
 from igrip.geometry.cones import Cones, ray_pattern
 from igrip.geometry.contact import approach
-from igrip.geometry.cylinder import Cylinders, new_cylinders, place_cylinders
+from igrip.geometry.cylinder import Cylinders, place_cylinders
+from igrip.geometry.drawn_rays import cone_impacts
 from igrip.geometry.frame_arrays import HandArrays, ObjectArrays
 from igrip.geometry.packed_models import PackedModels, pack
 from igrip.motion.trajectory import Motion
@@ -174,26 +175,30 @@ class Scene:
         models = packed.arrays
         placed = ObjectArrays(
             np.array([packed.number[o.model.name] for o in objects], dtype=np.int64),
-            _rows([o.rotation for o in objects]), _rows([o.translation for o in objects]),
-            _rows([o.centre for o in objects]), _rows([o.velocity for o in objects]),
+            np.array([o.rotation for o in objects]), np.array([o.translation for o in objects]),
+            np.array([o.centre for o in objects]), np.array([o.velocity for o in objects]),
         )  # fmt: skip
         moving = HandArrays(
-            _rows([hand.position for hand in hands]), _rows([hand.velocity for hand in hands]),
-            _rows([hand.future for hand in hands]), _rows([hand.future_velocity for hand in hands]),
-        )  # fmt: skip
+            np.array([hand.position for hand in hands]),
+            np.array([hand.velocity for hand in hands]),
+            np.array([hand.future for hand in hands]),
+            np.array([hand.future_velocity for hand in hands]),
+        )
         measured = kernel.measure(models, placed, moving, self._cones, self.counters)
 
         def surfaces() -> Array:
-            distances: Array = kernel.surfaces(models, placed, moving, self.counters)
-            return distances
+            return kernel.surfaces(models, placed, moving, self.counters)
 
         def cylinders() -> Cylinders:
-            out = new_cylinders(count)
-            place_cylinders(models, placed, out)
+            out = Cylinders.zeros(count)
+            place_cylinders(
+                placed.models, models.axes, models.origins, models.sizes, placed.rotations,
+                placed.translations, placed.velocities, out.rows,
+            )  # fmt: skip
             return out
 
         both, solids = _Once(surfaces), _Once(cylinders)
-        half_length, spread = models.half_lengths[placed.models], kernel.spread(placed.centres)
+        half_length, spread = models.sizes[placed.models, 0], kernel.spread(placed.centres)
         return [
             Geometry(
                 objects=objects,
@@ -221,14 +226,14 @@ class Scene:
             [m]. None: not within the horizon.
         """
         packed = self._pack_with([target])
-        s, *point = approach(
+        time, point = approach(
             packed.arrays, packed.number[target.model.name], target.rotation, target.translation,
             hand.coefficients, self._config.contact_distance, self._config.contact_horizon,
         )  # fmt: skip
-        if math.isnan(s):
+        if math.isnan(time):
             return None
-        x, y, z = target.rotation @ np.array(point) + target.translation
-        return s, (float(x), float(y), float(z))
+        x, y, z = target.rotation @ point + target.translation
+        return time, (float(x), float(y), float(z))
 
     def impacts(self, hand: Motion, target: PlacedObject) -> tuple[Array, Array]:
         """Cast the rays of one pair again, to be drawn.
@@ -241,7 +246,7 @@ class Scene:
             To the first impact in units of the direction; infinity for a miss.
         """
         packed = self._pack_with([target])
-        rays: tuple[Array, Array] = kernel.cone_impacts(
+        rays: tuple[Array, Array] = cone_impacts(
             packed.arrays, packed.number[target.model.name], target.rotation, target.translation,
             hand.future, hand.future_velocity, self._cones,
         )  # fmt: skip
@@ -261,17 +266,9 @@ class _Once(Generic[T]):
         return self._result
 
 
-def _rows(arrays: Sequence[Array]) -> Array:
-    """Return a few small arrays as one; ``np.stack`` takes several times as long."""
-    out = np.empty((len(arrays), *arrays[0].shape))
-    for row, array in enumerate(arrays):
-        out[row] = array
-    return out
-
-
 def _nothing() -> Geometry:
     none, no_hits = np.empty(0), np.empty(0, dtype=np.int64)
-    pair, cylinders = np.empty((2, 0)), new_cylinders(0)
+    pair, cylinders = np.empty((2, 0)), Cylinders.zeros(0)
     return Geometry(
         [], no_hits, none, none, none, none, none, none, math.nan, lambda: pair, lambda: cylinders
     )

@@ -16,7 +16,11 @@ class GripConfig(Settings):
     """Parameters of the grip selectors."""
 
     pinch_threshold: float = quantity(
-        0.85, "half-lengths", "a hand at least this far along the axis pinches", "paper: Eq. 11", gt=0
+        0.85,
+        "half-lengths",
+        "a hand at least this far along the axis pinches",
+        "paper: Eq. 11",
+        gt=0,
     )
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.errors import IgripError
-from igrip.geometry.cylinder import Cylinders
+from igrip.geometry.cylinder import Cylinders, axis_of, centre_of, size_of, velocity_of
 from igrip.geometry.scene import Geometry
 from igrip.grips import GRIPS, Grip, GripConfig
 from igrip.grips.cylinder import CylinderGrip
@@ -38,25 +38,24 @@ MAX_INPUT = 3.0  # bound of all inputs
 
 
 @kernel
-def _approaches(position, velocity, cylinders):
-    """Return :func:`approaches`, compiled."""
-    inputs = np.empty((cylinders.radius.shape[0], len(INPUTS)))
+def _approaches(position, velocity, cylinders, inputs):
+    """Write the result of :func:`approaches`; ``cylinders`` are the rows."""
     for o in range(inputs.shape[0]):
-        half = cylinders.half_length[o]
+        row = cylinders[o]
+        centre, along, moving = centre_of(row), axis_of(row), velocity_of(row)
+        half, radius = size_of(row)
         height = rise = out2 = outwards = speed2 = 0.0
         for axis in range(3):
-            direction = cylinders.axis[o, axis]
-            height += (position[axis] - cylinders.centre[o, axis]) * direction
-            rise += (velocity[axis] - cylinders.velocity[o, axis]) * direction
+            height += (position[axis] - centre[axis]) * along[axis]
+            rise += (velocity[axis] - moving[axis]) * along[axis]
         for axis in range(3):
-            direction = cylinders.axis[o, axis]
-            away = position[axis] - cylinders.centre[o, axis] - height * direction
-            moves = velocity[axis] - cylinders.velocity[o, axis]
+            away = position[axis] - centre[axis] - height * along[axis]
+            moves = velocity[axis] - moving[axis]
             out2 += away * away
-            outwards += away * (moves - rise * direction)
+            outwards += away * (moves - rise * along[axis])
             speed2 += moves * moves
         out = math.sqrt(out2)
-        aside = max(out - cylinders.radius[o], 0.0)
+        aside = max(out - radius, 0.0)
         inwards = -outwards / (out + 1e-9)
         speed = math.sqrt(speed2)
         time = min(aside / inwards, 2.0) if inwards > 1e-9 else 0.0
@@ -70,7 +69,6 @@ def _approaches(position, velocity, cylinders):
         inputs[o, 5] = speed * SOON / half
         for k in range(6):
             inputs[o, k] = min(max(inputs[o, k], -MAX_INPUT), MAX_INPUT)
-    return inputs
 
 
 def approaches(position: Array, velocity: Array, cylinders: Cylinders) -> Array:
@@ -90,7 +88,8 @@ def approaches(position: Array, velocity: Array, cylinders: Cylinders) -> Array:
         the cylinder (positive towards the end that it is nearer to soon); distance from the side;
         part of the speed that goes down from that end; how far the hand goes in 0.3 s.
     """
-    inputs: Array = _approaches(position, velocity, cylinders)
+    inputs = np.empty((len(cylinders.rows), len(INPUTS)))
+    _approaches(position, velocity, cylinders.rows, inputs)
     return inputs
 
 

@@ -62,7 +62,10 @@ def build_point_tree(points: NDArray[np.float64]) -> Bvh:
 
 
 def _tree(
-    lower: NDArray[np.float64], upper: NDArray[np.float64], leaves: NDArray[np.float64], max_in_leaf: int
+    lower: NDArray[np.float64],
+    upper: NDArray[np.float64],
+    leaves: NDArray[np.float64],
+    max_in_leaf: int,
 ) -> Bvh:
     """Build the tree of things with these bounds, at most ``max_in_leaf`` in a leaf."""
     order = np.arange(len(leaves), dtype=np.int64)

@@ -21,7 +21,9 @@ MAX_SPHERES = 8
 GRID = 12  # points along each edge of the box at which a centre is tried
 MIN_RADIUS_FRACTION = 0.15  # of the radius of the first: smaller spheres decide too few rays
 # three directions that no edge of an object made by hand is likely to lie along; all have to agree
-DIRECTIONS = np.array([[0.5387, 0.3181, 0.7803], [-0.6143, 0.7517, 0.2399], [0.1733, -0.8969, 0.4069]])
+DIRECTIONS = np.array(
+    [[0.5387, 0.3181, 0.7803], [-0.6143, 0.7517, 0.2399], [0.1733, -0.8969, 0.4069]]
+)
 
 
 def is_closed(vertices: Array, faces: NDArray[np.int64]) -> bool:

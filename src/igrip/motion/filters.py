@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 
 from igrip.entities import Quaternion, Vector
 from igrip.motion.one_euro_kernel import (
-    FilterParameters,
-    begin_orientation,
-    begin_position,
+    begin,
     derivative_of,
     new_filter,
-    orientation_of,
     place_point,
-    position_of,
+    point_of,
+    quaternion_of,
     smoothing,
     step_orientation,
     step_pose,
@@ -54,17 +52,16 @@ class _Filter:
 
     Attributes
     ----------
-    parameters : FilterParameters
-        Of the kernel.
-    state : (11,) float64
-        Of :mod:`igrip.motion.one_euro_kernel`, which alone reads and writes it.
+    state, parameters : (11,), (3,)
+        Of :mod:`igrip.motion.one_euro_kernel`, which alone knows their layout.
     begun : bool
         Whether there was a sample.
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
-        self.parameters = FilterParameters(**config.model_dump())
-        self.state: Array = new_filter()
+        self.state, self.parameters = new_filter(
+            config.min_cutoff, config.beta, config.derivative_cutoff
+        )
         self.begun = False
 
     @property
@@ -73,14 +70,12 @@ class _Filter:
 
         It holds the lag of the filter, so it is no velocity [m/s or rad/s].
         """
-        derivative: Vector = derivative_of(self.state)
-        return derivative
+        return derivative_of(self.state)
 
     @property
     def velocity(self) -> Vector:
         """Low-passed velocity of the filtered value, world frame [m/s or rad/s]."""
-        velocity: Vector = velocity_of(self.state)
-        return velocity
+        return velocity_of(self.state)
 
 
 class PositionFilter(_Filter):
@@ -89,17 +84,16 @@ class PositionFilter(_Filter):
     @property
     def value(self) -> Vector | None:
         """Filtered position [m]; None before the first sample."""
-        return position_of(self.state) if self.begun else None
+        return point_of(self.state) if self.begun else None
 
     def update(self, t: float, position: Vector) -> Vector:
         """Add a sample measured at ``t`` [s], later than the last; return the filtered point."""
         if not self.begun:
-            begin_position(self.state, t, position)
+            begin(self.state, t, position)
             self.begun = True
             return position
-        step_position(self.state, t, position, self.parameters)
-        filtered: Vector = position_of(self.state)
-        return filtered
+        step_position(self.state, t, *position, self.parameters)
+        return point_of(self.state)
 
 
 class OrientationFilter(_Filter):
@@ -108,7 +102,7 @@ class OrientationFilter(_Filter):
     @property
     def value(self) -> Quaternion | None:
         """Filtered rotation, unit quaternion x, y, z, w; None before the first sample."""
-        return orientation_of(self.state) if self.begun else None
+        return quaternion_of(self.state) if self.begun else None
 
     def update(self, t: float, orientation: Quaternion) -> Quaternion:
         """Add a sample measured at ``t`` [s], later than the last; return it filtered."""
@@ -116,12 +110,11 @@ class OrientationFilter(_Filter):
         x, y, z, w = orientation
         unit = (x / norm, y / norm, z / norm, w / norm)
         if not self.begun:
-            begin_orientation(self.state, t, unit)
+            begin(self.state, t, unit)
             self.begun = True
             return unit
-        step_orientation(self.state, t, unit, self.parameters)
-        filtered: Quaternion = orientation_of(self.state)
-        return filtered
+        step_orientation(self.state, t, *unit, self.parameters)
+        return quaternion_of(self.state)
 
 
 class PlacedPoint(NamedTuple):
@@ -148,25 +141,27 @@ class PoseFilter:
     ----------
     position, orientation : OneEuroConfig
         Their parameters.
+
+    Attributes
+    ----------
+    begun : bool
+        Whether there was a pose.
     """
 
     def __init__(self, position: OneEuroConfig, orientation: OneEuroConfig) -> None:
         self.position = PositionFilter(position)
         self.orientation = OrientationFilter(orientation)
-
-    @property
-    def begun(self) -> bool:
-        """Whether there was a pose."""
-        return self.position.begun
+        self.begun = False
 
     def update(self, t: float, position: Vector, orientation: Quaternion) -> None:
         """Add a pose measured at ``t`` [s], later than the last."""
         if not self.begun:
             self.position.update(t, position)
             self.orientation.update(t, orientation)
+            self.begun = True
             return
         step_pose(
-            self.position.state, self.orientation.state, t, position, orientation,
+            self.position.state, self.orientation.state, t, *position, *orientation,
             self.position.parameters, self.orientation.parameters,
         )  # fmt: skip
 
@@ -182,5 +177,4 @@ class PoseFilter:
         """
         out = np.empty((6, 3))
         place_point(self.position.state, self.orientation.state, local, rest_speed, out)
-        translation, point, velocity = out[3:]
-        return PlacedPoint(out[:3], translation, point, velocity)
+        return PlacedPoint(out[:3], *out[3:])

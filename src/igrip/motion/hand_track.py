@@ -74,7 +74,7 @@ class HandTrack:
     @property
     def is_followed(self) -> bool:
         """Whether there is a motion of accepted, recent measurements."""
-        return self.status in ("idle", "reaching")
+        return self.motion is not None and self._rejection is None and not self._stale
 
     def reason(self, now: float) -> str | None:
         """Return why there is no estimate, or what is wrong with the input; None if nothing is."""

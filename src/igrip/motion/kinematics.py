@@ -9,7 +9,6 @@ moments of the times and nine of the positions are kept, so a step costs the sam
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,22 +25,9 @@ TIME, MOMENTS, SUMS, NEWEST, SIZE = 0, 1, 6, 15, 18
 VELOCITY_PRIOR, ACCELERATION_PRIOR = 0.03, 0.5
 
 
-class Kinematics(NamedTuple):
-    """The fit at the newest sample, world frame; each of shape (3,) [m, m/s, m/s²]."""
-
-    position: Array
-    velocity: Array
-    acceleration: Array
-
-
-def new_kinematics() -> Kinematics:
-    """Return zeros, for :func:`update_fit` to write to."""
-    return Kinematics(np.zeros(3), np.zeros(3), np.zeros(3))
-
-
-def new_fit() -> Array:
-    """Return the state of a fit before its first sample: zeros."""
-    return np.zeros(SIZE)
+def new_fit() -> tuple[Array, Array]:
+    """Return state and result of a fit before its first sample: zeros, (18,) and (3, 3)."""
+    return np.zeros(SIZE), np.zeros((3, 3))
 
 
 @kernel
@@ -56,8 +42,8 @@ def update_fit(state, t, x, y, z, time_constant, out):
         The sample [s, m].
     time_constant : float
         Age at which the weight of a sample has fallen to 1 / e [s].
-    out : Kinematics, written
-        The fit at ``t``.
+    out : (3, 3), written
+        Rows position, velocity and acceleration at ``t`` [m, m/s, m/s²].
     """
     if state[MOMENTS] > 0.0:
         # times are counted from the newest sample in units of the time constant: move their origin
@@ -89,7 +75,7 @@ def update_fit(state, t, x, y, z, time_constant, out):
     for axis in range(3):
         b0, b1, b2 = state[SUMS + axis], state[SUMS + 3 + axis], state[SUMS + 6 + axis]
         offset = (c00 * b0 + c01 * b1 + c02 * b2) / determinant
-        out.position[axis] = state[NEWEST + axis] + offset
-        out.velocity[axis] = (c01 * b0 + c11 * b1 + c12 * b2) / determinant / time_constant
+        out[0, axis] = state[NEWEST + axis] + offset
+        out[1, axis] = (c01 * b0 + c11 * b1 + c12 * b2) / determinant / time_constant
         curvature = (c02 * b0 + c12 * b1 + c22 * b2) / determinant
-        out.acceleration[axis] = 2.0 * curvature / (time_constant * time_constant)
+        out[2, axis] = 2.0 * curvature / (time_constant * time_constant)

@@ -6,71 +6,54 @@ See :mod:`igrip.motion.filters` for the filter.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
+from igrip.entities import Quaternion, Vector
 
 Array = NDArray[np.float64]
 
 # layout of the state, used in this file alone: value (4, the last unused for a point), derivative
-# (3), velocity (3), time of the last sample
+# (3), velocity (3), time of the last sample; and of the parameters
 VALUE, DERIVATIVE, VELOCITY, TIME, SIZE = 0, 4, 7, 10, 11
+MIN_CUTOFF, BETA, DERIVATIVE_CUTOFF = 0, 1, 2
 
 
-class FilterParameters(NamedTuple):
-    """Cutoff at rest [Hz], its growth with speed, cutoff of the derivative [Hz]."""
-
-    min_cutoff: float
-    beta: float
-    derivative_cutoff: float
+def new_filter(min_cutoff: float, beta: float, derivative_cutoff: float) -> tuple[Array, Array]:
+    """Return the state of a filter before its first sample, and its parameters: (11,), (3,)."""
+    return np.zeros(SIZE), np.array([min_cutoff, beta, derivative_cutoff])
 
 
-def new_filter() -> Array:
-    """Return the state of a filter before its first sample."""
-    return np.zeros(SIZE)
-
-
-@kernel
-def begin_position(state, t, position):
-    """Start a filter of a point with its first sample: 3 floats [m] at ``t`` [s]."""
+def begin(state: Array, t: float, value: tuple[float, ...]) -> None:
+    """Start a filter with its first sample: a point [m] or a unit quaternion at ``t`` [s]."""
+    state[VALUE : VALUE + len(value)] = value
     state[TIME] = t
-    for axis in range(3):
-        state[VALUE + axis] = position[axis]
 
 
-@kernel
-def begin_orientation(state, t, quaternion):
-    """Start a filter of a rotation with its first sample: a unit quaternion at ``t`` [s]."""
-    state[TIME] = t
-    for k in range(4):
-        state[VALUE + k] = quaternion[k]
+def point_of(state: Array) -> Vector:
+    """Return the filtered point [m]."""
+    x, y, z = state[VALUE : VALUE + 3].tolist()
+    return (x, y, z)
 
 
-@kernel
-def position_of(state):
-    """Return the filtered point, 3 floats [m]."""
-    return state[VALUE], state[VALUE + 1], state[VALUE + 2]
-
-
-@kernel
-def orientation_of(state):
+def quaternion_of(state: Array) -> Quaternion:
     """Return the filtered rotation, a unit quaternion x, y, z, w."""
-    return state[VALUE], state[VALUE + 1], state[VALUE + 2], state[VALUE + 3]
+    x, y, z, w = state[VALUE : VALUE + 4].tolist()
+    return (x, y, z, w)
 
 
-@kernel
-def derivative_of(state):
-    """Return the low-passed derivative, 3 floats."""
-    return state[DERIVATIVE], state[DERIVATIVE + 1], state[DERIVATIVE + 2]
+def derivative_of(state: Array) -> Vector:
+    """Return the low-passed derivative, which drives the cutoff [m/s or rad/s]."""
+    x, y, z = state[DERIVATIVE : DERIVATIVE + 3].tolist()
+    return (x, y, z)
 
 
-@kernel
-def velocity_of(state):
-    """Return the low-passed velocity, 3 floats."""
-    return state[VELOCITY], state[VELOCITY + 1], state[VELOCITY + 2]
+def velocity_of(state: Array) -> Vector:
+    """Return the low-passed velocity of the filtered value [m/s or rad/s]."""
+    x, y, z = state[VELOCITY : VELOCITY + 3].tolist()
+    return (x, y, z)
 
 
 @kernel
@@ -85,7 +68,7 @@ def _advance(state, t, x, y, z, parameters):
     """Use the step from the filtered value to a new sample; return the weight of the sample."""
     dt = t - state[TIME]
     state[TIME] = t
-    weight = smoothing(parameters.derivative_cutoff, dt)
+    weight = smoothing(parameters[DERIVATIVE_CUTOFF], dt)
     x, y, z = x / dt, y / dt, z / dt
     state[DERIVATIVE] += weight * (x - state[DERIVATIVE])
     state[DERIVATIVE + 1] += weight * (y - state[DERIVATIVE + 1])
@@ -93,7 +76,7 @@ def _advance(state, t, x, y, z, parameters):
     speed = math.sqrt(
         state[DERIVATIVE] ** 2 + state[DERIVATIVE + 1] ** 2 + state[DERIVATIVE + 2] ** 2
     )
-    part = smoothing(parameters.min_cutoff + parameters.beta * speed, dt)
+    part = smoothing(parameters[MIN_CUTOFF] + parameters[BETA] * speed, dt)
     state[VELOCITY] += weight * (part * x - state[VELOCITY])
     state[VELOCITY + 1] += weight * (part * y - state[VELOCITY + 1])
     state[VELOCITY + 2] += weight * (part * z - state[VELOCITY + 2])
@@ -101,9 +84,8 @@ def _advance(state, t, x, y, z, parameters):
 
 
 @kernel
-def step_position(state, t, position, parameters):
-    """Filter a point, 3 floats [m] measured at ``t`` [s]; :func:`position_of` has the result."""
-    x, y, z = position
+def step_position(state, t, x, y, z, parameters):
+    """Filter a point [m] measured at ``t`` [s]; :func:`point_of` has the result."""
     x, y, z = x - state[VALUE], y - state[VALUE + 1], z - state[VALUE + 2]
     part = _advance(state, t, x, y, z, parameters)
     state[VALUE] += part * x
@@ -112,9 +94,8 @@ def step_position(state, t, position, parameters):
 
 
 @kernel
-def step_orientation(state, t, quaternion, parameters):
-    """Filter a unit quaternion at ``t`` [s]; :func:`orientation_of` has the result."""
-    x, y, z, w = quaternion
+def step_orientation(state, t, x, y, z, w, parameters):
+    """Filter a unit quaternion at ``t`` [s]; :func:`quaternion_of` has the result."""
     # the turn from the filtered rotation to the new one, in the world: new · old⁻¹
     ox, oy, oz, ow = state[VALUE], state[VALUE + 1], state[VALUE + 2], state[VALUE + 3]
     tx = -w * ox + x * ow - y * oz + z * oy
@@ -142,14 +123,11 @@ def step_orientation(state, t, quaternion, parameters):
 
 
 @kernel
-def step_pose(
-    position_state, orientation_state, t, position, quaternion, of_position, of_orientation
-):  # fmt: skip
+def step_pose(position, orientation, t, x, y, z, qx, qy, qz, qw, of_position, of_orientation):
     """Take both steps in one call; the quaternion need not be of unit length."""
-    step_position(position_state, t, position, of_position)
-    x, y, z, w = quaternion
-    n = math.sqrt(x * x + y * y + z * z + w * w)
-    step_orientation(orientation_state, t, (x / n, y / n, z / n, w / n), of_orientation)
+    step_position(position, t, x, y, z, of_position)
+    n = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
+    step_orientation(orientation, t, qx / n, qy / n, qz / n, qw / n, of_orientation)
 
 
 @kernel

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Vector
-from igrip.motion.reach_kernel import ReachParameters, new_memory, update_reach
-from igrip.motion.reach_state import ReachState
+from igrip.motion.reach_kernel import ReachMemory, ReachParameters, ReachState, update_reach
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]
@@ -71,12 +70,10 @@ class ReachDetector:
     """Follows one hand from rest through a movement to rest again, at any sampling rate."""
 
     def __init__(self, config: ReachConfig | None = None) -> None:
-        config = config or ReachConfig()
-        self._parameters = ReachParameters(**config.model_dump())
-        self._memory = new_memory(self._parameters)
+        parameters = ReachParameters(**(config or ReachConfig()).model_dump())
+        self._memory, self._parameters = ReachMemory.new(parameters), np.array(parameters)
 
     def update(self, t: float, position: Array | Vector) -> ReachState:
         """Add a sample at ``t`` [s], later than the last; return the movement so far."""
-        x, y, z = position
-        state: ReachState = update_reach(self._memory, t, x, y, z, self._parameters)
-        return state
+        update_reach(*self._memory, t, *position, self._parameters)
+        return ReachState.of(self._memory)

@@ -1,23 +1,27 @@
-"""One sample of reach detection, compiled; see :mod:`igrip.motion.reach_detection`."""
+"""One sample of reach detection, compiled, and its result.
+
+See :mod:`igrip.motion.reach_detection` for the method.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
-from igrip.motion.kinematics import Kinematics, new_fit, new_kinematics, update_fit
+from igrip.motion.kinematics import new_fit, update_fit
 from igrip.motion.noise import PRIOR_SAMPLES, new_noise, reset_noise, update_noise, variance_of
-from igrip.motion.reach_state import ReachState
 
 Array = NDArray[np.float64]
+Phase = Literal["rest", "accelerating", "decelerating"]
 
 # layout of the state, used in this file alone
 TIME, MOVING, ONSET, START, MAX_SPEED, MAX_SPEED_TIME, PATH, LAST = 0, 1, 2, 3, 6, 7, 8, 9
-SLOW_SINCE, SLOW_VELOCITY, COUNT, RESTED, CANDIDATE, SWAY2, SIZE = 12, 13, 16, 17, 18, 19, 20
+SLOW_SINCE, SLOW_VELOCITY, COUNT, RESTED, CANDIDATE, SWAY2 = 12, 13, 16, 17, 18, 19
+NOISE2, SIZE = 20, 21
 MAX_POINTS = 256
 IMMEDIATE_ONSET_FACTOR = 2.0  # this many times beyond the onset distance one sample is enough
 CANDIDATE_FRACTION = 0.5  # at this part of the onset distance a hand may have begun to move
@@ -25,7 +29,7 @@ RESTS, MAY_MOVE, MOVES = 0, 1, 2
 
 
 class ReachParameters(NamedTuple):
-    """The numbers of a :class:`igrip.motion.reach_detection.ReachConfig`, see there."""
+    """The numbers of a :class:`igrip.motion.reach_detection.ReachConfig`."""
 
     time_constant: float
     onset_distance: float
@@ -47,30 +51,119 @@ class ReachMemory(NamedTuple):
 
     Attributes
     ----------
-    fit : (18,), now : Kinematics
+    fit, now : (18,), (3, 3)
         State and result of :func:`igrip.motion.kinematics.update_fit`.
     noise : (14,)
         State of :func:`igrip.motion.noise.update_noise`.
-    state : (20,)
+    state : (21,)
         Of the movement, as this file lays it out.
     points : (256, 4)
         Rows t, x, y, z since the onset [s, m].
     """
 
     fit: Array
-    now: Kinematics
+    now: Array
     noise: Array
     state: Array
     points: Array
 
+    @classmethod
+    def new(cls, parameters: ReachParameters) -> ReachMemory:
+        """Return the memory before the first sample."""
+        points = np.zeros((MAX_POINTS, 4))
+        memory = cls(*new_fit(), new_noise(0.0), np.zeros(SIZE), points)
+        _reset(memory, parameters)
+        return memory
 
-def new_memory(parameters: ReachParameters) -> ReachMemory:
-    """Return the memory before the first sample."""
-    memory = ReachMemory(
-        new_fit(), new_kinematics(), new_noise(0.0), np.zeros(SIZE), np.zeros((MAX_POINTS, 4))
-    )
-    _reset(memory, parameters)
-    return memory
+
+class ReachState(NamedTuple):
+    """Where a hand is in its movement, at one sample. World frame.
+
+    Attributes
+    ----------
+    moving : bool
+        Whether the hand moves.
+    state : (21,)
+        As this file lays it out, read by the properties, and in kernels by :func:`start_of` etc.
+    points : (n, 4)
+        Rows t, x, y, z since the onset [s, m]; not empty for a resting hand that may have begun to
+        move.
+    now : (3, 3)
+        Rows position, velocity and acceleration, fitted [m, m/s, m/s²].
+    """
+
+    moving: bool
+    state: Array
+    points: Array
+    now: Array
+
+    @classmethod
+    def of(cls, memory: ReachMemory) -> ReachState:
+        """Return a copy of what is known after the newest sample."""
+        state = memory.state.copy()
+        points = memory.points[: int(state[COUNT])].copy()
+        return cls(bool(state[MOVING]), state, points, memory.now.copy())
+
+    @property
+    def may_move(self) -> bool:
+        """Whether the hand moves or may have begun to."""
+        return len(self.points) > 0
+
+    @property
+    def phase(self) -> Phase:
+        """``rest``, ``accelerating`` (this sample is the fastest so far) or ``decelerating``."""
+        if not self.moving:
+            return "rest"
+        return "accelerating" if self.state[MAX_SPEED_TIME] == self.state[TIME] else "decelerating"
+
+    @property
+    def onset(self) -> float:
+        """When the hand last was near its place of rest [s]."""
+        return float(self.state[ONSET])
+
+    @property
+    def start(self) -> Array:
+        """Where it rested, shape (3,) [m]."""
+        return self.state[START : START + 3]
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the onset [s]; 0 at rest."""
+        return float(self.state[TIME] - self.state[ONSET]) if self.moving else 0.0
+
+    @property
+    def peak_speed(self) -> float:
+        """Highest speed since the onset [m/s]; 0 at rest."""
+        return float(self.state[MAX_SPEED]) if self.moving else 0.0
+
+    @property
+    def path_length(self) -> float:
+        """Length of the path since the onset [m]; 0 at rest."""
+        return float(self.state[PATH]) if self.moving else 0.0
+
+
+@kernel
+def times_of(state):
+    """Return the times of the sample, of the onset and of the highest speed since [s]."""
+    return state[TIME], state[ONSET], state[MAX_SPEED_TIME]
+
+
+@kernel
+def start_of(state):
+    """Return where the hand rested, shape (3,) [m]; a view."""
+    return state[START : START + 3]
+
+
+@kernel
+def extent_of(state):
+    """Return the highest speed and the length of the path since the onset [m/s, m]."""
+    return state[MAX_SPEED], state[PATH]
+
+
+@kernel
+def noise_variance_of(state):
+    """Return the estimated variance of the samples, each axis [m²]."""
+    return state[NOISE2]
 
 
 @kernel
@@ -86,15 +179,15 @@ def _reset(memory, parameters):
 @kernel
 def _leaves_rest(memory, t, x, y, z, parameters):
     """Look at a hand that rests: it still does, may have begun to move, or moves from now on."""
-    state, now = memory.state, memory.now
+    state, position, velocity = memory.state, memory.now[0], memory.now[1]
     if state[RESTED] == 0.0:
         state[START], state[START + 1], state[START + 2] = x, y, z
         state[ONSET] = t
     distance2 = away = 0.0
     for axis in range(3):
-        offset = now.position[axis] - state[START + axis]
+        offset = position[axis] - state[START + axis]
         distance2 += offset * offset
-        away += offset * now.velocity[axis]
+        away += offset * velocity[axis]
     noise = math.sqrt(variance_of(memory.noise))
     # sway and slow noise show around the place of rest; but a slow hand lags behind it, too
     sway = min(parameters.onset_sway_factor * math.sqrt(state[SWAY2]), parameters.max_onset_sway)
@@ -126,11 +219,12 @@ def _leaves_rest(memory, t, x, y, z, parameters):
 @kernel
 def _advance(memory, t, x, y, z, parameters):
     """Follow the movement to the newest fit."""
-    state, now, points = memory.state, memory.now, memory.points
+    state, points = memory.state, memory.points
+    position, velocity = memory.now[0], memory.now[1]
     weight = 1.0 - math.exp(-(t - state[TIME]) / parameters.end_time_constant)
     speed2 = slow2 = 0.0
     for axis in range(3):
-        v = now.velocity[axis]
+        v = velocity[axis]
         state[SLOW_VELOCITY + axis] += weight * (v - state[SLOW_VELOCITY + axis])
         speed2 += v * v
         slow2 += state[SLOW_VELOCITY + axis] ** 2
@@ -159,14 +253,14 @@ def _advance(memory, t, x, y, z, parameters):
         if t - state[SLOW_SINCE] >= parameters.min_rest_duration:
             state[MOVING], state[CANDIDATE], state[ONSET] = 0.0, 0.0, t
             state[RESTED], state[COUNT] = 1.0, 0.0
-            state[START : START + 3] = now.position
+            state[START : START + 3] = position
             return
     else:
         state[SLOW_SINCE] = math.nan
     step2 = 0.0
     for axis in range(3):
-        step2 += (now.position[axis] - state[LAST + axis]) ** 2
-        state[LAST + axis] = now.position[axis]
+        step2 += (position[axis] - state[LAST + axis]) ** 2
+        state[LAST + axis] = position[axis]
     state[PATH] += math.sqrt(step2)
     count = int(state[COUNT])
     if count == MAX_POINTS:  # a long movement: every second point will do
@@ -174,47 +268,33 @@ def _advance(memory, t, x, y, z, parameters):
             points[k] = points[2 * k]
         count = MAX_POINTS // 2
     points[count, 0] = t
-    points[count, 1:] = now.position
+    points[count, 1:] = position
     state[COUNT] = count + 1
 
 
 @kernel
-def update_reach(memory, t, x, y, z, parameters):
-    """Add a sample; one call, since calls from Python cost more than what they do here.
+def update_reach(fit, now, noise, state, points, t, x, y, z, parameters):
+    """Add a sample. One call: calls from Python cost more than what they do here.
 
     Parameters
     ----------
-    memory : ReachMemory, changed
-        Of the hand.
+    fit, now, noise, state, points : arrays, changed
+        The fields of the hand's :class:`ReachMemory`: numba reads arrays faster than named tuples.
     t, x, y, z : float
         The sample [s, m]; ``t`` is later than the last.
-    parameters : ReachParameters
-        Of the detector.
-
-    Returns
-    -------
-    ReachState
-        Its arrays are copies.
+    parameters : (13,)
+        The fields of :class:`ReachParameters`.
     """
-    state = memory.state
-    if t - state[TIME] > parameters.max_gap:
-        _reset(memory, parameters)
+    memory = ReachMemory(fit, now, noise, state, points)
+    p = parameters
+    named = ReachParameters(
+        p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], p[12]
+    )
+    if t - state[TIME] > named.max_gap:
+        _reset(memory, named)
     if math.isnan(state[ONSET]):
         state[TIME] = t
-    update_noise(memory.noise, t, x, y, z, parameters.rest_time_constant)
-    update_fit(memory.fit, t, x, y, z, parameters.time_constant, memory.now)
-    _advance(memory, t, x, y, z, parameters)
-    return ReachState(
-        state[MOVING] == 1.0,
-        state[TIME],
-        state[ONSET],
-        state[START : START + 3].copy(),
-        state[MAX_SPEED],
-        state[MAX_SPEED_TIME],
-        state[PATH],
-        variance_of(memory.noise),
-        memory.now.position.copy(),
-        memory.now.velocity.copy(),
-        memory.now.acceleration.copy(),
-        memory.points[: int(state[COUNT])].copy(),
-    )
+    update_noise(noise, t, x, y, z, named.rest_time_constant)
+    update_fit(fit, t, x, y, z, named.time_constant, now)
+    _advance(memory, t, x, y, z, named)
+    state[NOISE2] = variance_of(noise)

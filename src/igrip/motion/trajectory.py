@@ -12,7 +12,7 @@ from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
 from igrip.motion.quadratic_fit import predict
 from igrip.motion.reach_detection import ReachConfig, ReachDetector
-from igrip.motion.reach_state import ReachState
+from igrip.motion.reach_kernel import ReachState
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]

@@ -40,7 +40,7 @@ class TargetsEstimator(Protocol):
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
     ) -> TargetEstimate:
-        """Return the estimate after a frame: motion and geometry of the hand, scores of each cue."""
+        """Return the estimate after a frame, from the hand's motion, geometry and cue scores."""
         ...
 
 

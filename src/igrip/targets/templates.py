@@ -45,8 +45,8 @@ class Templates:
             return self._nearest(self._end, geometry)
         if reach.begins or reach.elapsed < self._profile[-1][0]:
             self._reset()
-        position, start = motion.reach.position, motion.reach.start
-        self._profile.append((reach.elapsed, float(np.linalg.norm(motion.reach.velocity))))
+        (position, velocity, _), start = motion.reach.now, motion.reach.start
+        self._profile.append((reach.elapsed, float(np.linalg.norm(velocity))))
         known = np.array(self._profile)
         steps = min(1 + int(reach.elapsed / self._step), self._speeds.shape[1])
         so_far = np.interp(self._step * np.arange(steps), known[:, 0], known[:, 1])

@@ -8,10 +8,11 @@ from scipy.spatial.transform import Rotation
 
 from igrip.geometry.cylinder import Cylinders
 from igrip.lab.simulation.minimum_jerk import reach
+from igrip.motion import reach_kernel as layout
 from igrip.motion.reach_detection import ReachDetector
 from igrip.targets.learned.features import LOCAL, SHARED, features_of
 
-OBJECTS = Cylinders(
+OBJECTS = Cylinders.of(
     centre=np.array([[0.0, 0.40, 0.05], [0.2, 0.30, 0.10], [-0.3, 0.10, 0.0]]),
     axis=np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [1.0, 0.0, 0.0]]),
     half_length=np.array([0.10, 0.05, 0.08]),
@@ -33,24 +34,21 @@ def moving(upto=0.6, noise=0.001):
 
 def taken(cylinders, order):
     """Return some of the cylinders."""
-    return Cylinders(*(array[order] for array in cylinders))
+    return Cylinders(cylinders.rows[order])
 
 
 def changed(one, turn, shift, scale):
     """Return the same movement and objects in another frame and unit."""
     points = one.points.copy()
     points[:, 1:] = scale * turn.apply(points[:, 1:]) + shift
-    moved = one._replace(
-        start=scale * turn.apply(one.start) + shift,
-        max_speed=scale * one.max_speed,
-        path_length=scale * one.path_length,
-        noise_variance=scale**2 * one.noise_variance,
-        position=scale * turn.apply(one.position) + shift,
-        velocity=scale * turn.apply(one.velocity),
-        acceleration=scale * turn.apply(one.acceleration),
-        points=points,
-    )
-    objects = Cylinders(
+    state, now = one.state.copy(), np.empty((3, 3))
+    state[layout.START : layout.START + 3] = scale * turn.apply(one.start) + shift
+    state[[layout.MAX_SPEED, layout.PATH]] *= scale
+    state[layout.NOISE2] *= scale**2
+    now[0] = scale * turn.apply(one.now[0]) + shift
+    now[1:] = scale * turn.apply(one.now[1:])
+    moved = one._replace(state=state, points=points, now=now)
+    objects = Cylinders.of(
         scale * turn.apply(OBJECTS.centre) + shift,
         turn.apply(OBJECTS.axis),
         scale * OBJECTS.half_length,
@@ -84,7 +82,7 @@ def test_known_values_half_way():
     for t in np.arange(0.0, 0.3 + 0.5 + 1e-9, 1.0 / 240.0):
         [point] = reach(np.zeros(3), np.array([0.0, 0.4, 0.0]), 0.0, np.array([t - 0.3]))
         last = one.update(t, point)
-    objects = Cylinders(
+    objects = Cylinders.of(
         np.array([[0.0, 0.4, 0.0]]), np.array([[0.0, 0.0, 1.0]]), np.array([0.05]),
         np.array([0.03]), np.zeros((1, 3)),
     )  # fmt: skip
@@ -98,14 +96,14 @@ def test_known_values_half_way():
     assert told["nearness"] == pytest.approx(0.0)
     assert told["object_speed"] == 0.0
     # the half of the half way was done at 0.359 of the duration (10 s³ - 15 s⁴ + 6 s⁵ = 1/4)
-    speed = np.linalg.norm(last.velocity)
+    speed = np.linalg.norm(last.now[1])
     assert told["speed_since_half"] == pytest.approx(speed / 0.2 * (0.5 - 0.359), rel=0.04)
 
 
 def test_every_number_is_bounded_whatever_comes():
     one = moving()
     objects = taken(OBJECTS, [0, 0, 0])
-    objects.centre[0] = one.position  # in the object
+    objects.centre[0] = one.now[0]  # in the object
     objects.centre[1] = one.start  # back at the start
     objects.centre[2] = 1e6
     local, shared = features_of(one, objects)

@@ -14,8 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
-from igrip.geometry.cylinder import Cylinders
-from igrip.motion.reach_state import ReachState
+from igrip.geometry.cylinder import Cylinders, axis_of, centre_of, size_of, velocity_of
+from igrip.motion.reach_kernel import (
+    ReachState,
+    extent_of,
+    noise_variance_of,
+    start_of,
+    times_of,
+)
 
 Array = NDArray[np.float64]
 LOCAL = (
@@ -71,15 +77,16 @@ def _since(points, count, start, covered, part):
 
 
 @kernel
-def _features_of(reach, cylinders):
-    """Return :func:`features_of`, compiled; rows of the result are in the order of the names."""
-    count, objects = reach.points.shape[0], cylinders.radius.shape[0]
-    local, shared = np.empty((objects, len(LOCAL))), np.empty(len(SHARED))
-    p, v, a, start, points = (
-        reach.position, reach.velocity, reach.acceleration, reach.start, reach.points,
-    )  # fmt: skip
-    t, peak = reach.t, reach.max_speed
-    elapsed = max(t - reach.onset, 1e-3)
+def _features_of(state, points, now, cylinders, local, shared):
+    """Write the result of :func:`features_of`, in the order of the names.
+
+    ``state``, ``points`` and ``now`` are those of a ReachState, ``cylinders`` the rows.
+    """
+    count, objects = points.shape[0], cylinders.shape[0]
+    p, v, a, start = now[0], now[1], now[2], start_of(state)
+    t, onset, peak_t = times_of(state)
+    peak, path_length = extent_of(state)
+    elapsed = max(t - onset, 1e-3)
     speed2 = pull2 = covered2 = along_way = 0.0
     for axis in range(3):
         speed2 += v[axis] ** 2
@@ -94,14 +101,14 @@ def _features_of(reach, cylinders):
     shared[0] = speed / (peak + SMALL)
     shared[1] = speed * elapsed / covered
     shared[2] = gain * elapsed / (speed + SMALL)
-    shared[3] = reach.path_length / covered
-    shared[4] = (reach.max_speed_t - reach.onset) / elapsed
+    shared[3] = path_length / covered
+    shared[4] = (peak_t - onset) / elapsed
     shared[5] = speed * (t - quarter[0]) / covered
     shared[6] = speed * (t - half[0]) / covered
     shared[7] = (t - half[0]) / (t - quarter[0] + 1e-3)
     shared[8] = speed * (t - last[0]) / covered
     shared[9] = gain * (t - half[0]) ** 2 / covered
-    shared[10] = math.sqrt(reach.noise_variance) / covered
+    shared[10] = math.sqrt(noise_variance_of(state)) / covered
     for k in range(len(shared)):
         shared[k] = _bounded(shared[k])
     ahead, aim = np.empty(3), np.empty(3)
@@ -109,21 +116,25 @@ def _features_of(reach, cylinders):
         ahead[axis] = p[axis] + AHEAD * (v[axis] + 0.5 * AHEAD * a[axis])
     nearest = math.inf
     for o in range(objects):
+        centre, direction, velocity = (
+            centre_of(cylinders[o]), axis_of(cylinders[o]), velocity_of(cylinders[o]),
+        )  # fmt: skip
+        half_length, radius = size_of(cylinders[o])
         along = 0.0
         for axis in range(3):
-            along += (ahead[axis] - cylinders.centre[o, axis]) * cylinders.axis[o, axis]
-        limit = MAX_AIM * cylinders.half_length[o]
+            along += (ahead[axis] - centre[axis]) * direction[axis]
+        limit = MAX_AIM * half_length
         along = min(max(along, -limit), limit)
         left2 = way2 = miss2 = moves2 = closing = closing2 = 0.0
         done = towards = pulled = lately = finally_ = lately2 = last2 = 0.0
         for axis in range(3):
-            aim[axis] = cylinders.centre[o, axis] + along * cylinders.axis[o, axis]
+            aim[axis] = centre[axis] + along * direction[axis]
             left, way = aim[axis] - p[axis], aim[axis] - start[axis]
             left2 += left * left
             way2 += way * way
             miss2 += (aim[axis] - ahead[axis]) ** 2
-            moves2 += cylinders.velocity[o, axis] ** 2
-            relative = v[axis] - cylinders.velocity[o, axis]
+            moves2 += velocity[axis] ** 2
+            relative = v[axis] - velocity[axis]
             closing += relative * left
             closing2 += relative * relative
             done += (p[axis] - start[axis]) * way
@@ -148,16 +159,16 @@ def _features_of(reach, cylinders):
         row[7] = peak * elapsed / way
         row[8] = math.sqrt(miss2) / way
         row[9] = left * math.sqrt(max(0.0, 1.0 - now_cosine**2)) / way
-        row[10] = max(left - cylinders.radius[o], 0.0) / way
+        row[10] = max(left - radius, 0.0) / way
         row[11] = math.sqrt(moves2) / (speed + SMALL)
         row[12] = late_cosine
         row[13] = left * math.sqrt(max(0.0, 1.0 - late_cosine**2)) / way
         row[14] = pulled / (pull * left + SMALL)
         row[15] = covered / way
-        row[16] = reach.path_length / way
+        row[16] = path_length / way
         row[17] = finally_ / (math.sqrt(last2) * left + SMALL)
         row[18] = gain * elapsed**2 / way
-        size = cylinders.radius[o] + cylinders.half_length[o]
+        size = radius + half_length
         row[20] = math.log((left + 0.2 * size) / size)
         row[21] = closing / (math.sqrt(closing2) * left + SMALL)
         nearest = min(nearest, left)
@@ -167,7 +178,6 @@ def _features_of(reach, cylinders):
         row[19] = left
     for o in range(objects):
         local[o, 19] = math.log((nearest / local[o, 19] + 0.1) / 1.1)
-    return Features(local, shared)
 
 
 def features_of(reach: ReachState, cylinders: Cylinders) -> Features:
@@ -180,5 +190,6 @@ def features_of(reach: ReachState, cylinders: Cylinders) -> Features:
     cylinders : Cylinders
         Of the objects.
     """
-    features: Features = _features_of(reach, cylinders)
-    return features
+    local, shared = np.empty((len(cylinders.rows), len(LOCAL))), np.empty(len(SHARED))
+    _features_of(reach.state, reach.points, reach.now, cylinders.rows, local, shared)
+    return Features(local, shared)
