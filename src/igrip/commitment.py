@@ -17,11 +17,15 @@ trusted, too. Otherwise the lease pauses, and after ``max_pause`` it is lost.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from pydantic import model_validator
 
 from igrip.entities import Vector
 from igrip.evidence import Evidence
 from igrip.intention import Commitment
+from igrip.risk import default_risk
 from igrip.settings import Settings, quantity
 
 __all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
@@ -39,10 +43,17 @@ class CommitmentConfig(Settings):
         Ids of the hands that a device assists; ``("*",)``: every hand. No other ever commits.
     needs_confirmation : bool
         Whether each reach must be confirmed from outside (a switch, a muscle) to be acted on.
+    max_wrong : float or None
+        Share of wrong commitments that is accepted: sets the threshold by the familiarity of the
+        movement (:mod:`igrip.risk`). None, or any ``reliability`` without it: by ``reliability``,
+        as for estimators without a familiarity.
     """
 
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
+    max_wrong: float | None = quantity(
+        0.05, "1", "share of wrong commitments that is accepted", "docs/commitment.md", gt=0, le=0.5
+    )
     reliability: float = quantity(
         0.45, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
@@ -81,9 +92,24 @@ class CommitmentConfig(Settings):
         gt=0,
     )  # fmt: skip
 
-    @property
-    def threshold(self) -> float:
-        """Confidence from which a target is committed to."""
+    @model_validator(mode="before")
+    @classmethod
+    def _reliability_rules(cls, values: Any) -> Any:
+        """Let a ``reliability`` that the user sets rule where no ``max_wrong`` is set."""
+        if isinstance(values, Mapping) and "reliability" in values and "max_wrong" not in values:
+            return {**values, "max_wrong": None}
+        return values
+
+    def threshold(self, familiarity: float | None = None) -> float:
+        """Return the confidence from which a target is committed to.
+
+        Parameters
+        ----------
+        familiarity : float or None
+            Of the movement, from 0 to 1; None: not known.
+        """
+        if self.max_wrong is not None and familiarity is not None:
+            return default_risk().threshold(self.max_wrong, familiarity)
         return self.min_threshold + self.reliability * (self.max_threshold - self.min_threshold)
 
     @property
@@ -210,7 +236,7 @@ class Committer:
             evidence.moving and not self._vetoed and not full
             and target is not None and evidence.grip is not None
             and target in evidence.trusted_objects
-            and evidence.confidence.get(target, 0.0) >= config.threshold
+            and evidence.confidence.get(target, 0.0) >= config.threshold(evidence.familiarity)
         )  # fmt: skip
         if not likely:
             self._open()
@@ -236,7 +262,7 @@ class Committer:
                 else:
                     self._open()
             elif self.target in evidence.trusted_objects:  # a hidden target cannot be judged
-                lowest = config.threshold - config.hysteresis
+                lowest = config.threshold(evidence.familiarity) - config.hysteresis
                 if evidence.confidence.get(self.target, 0.0) < lowest:
                     self._open()
         elif self._has_left(evidence, distance):
