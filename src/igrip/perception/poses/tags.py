@@ -27,7 +27,6 @@ from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
 NEARER = 0.03  # m: what is so much nearer than a tag hides it; guess
-RENAMED = {"lasting": "max_pose_age", "missing": "missing_after"}
 
 
 class TagOptions(Settings):
@@ -228,7 +227,7 @@ def read_options(options: Mapping[str, Any]) -> TagsOptions:
             '{7: {"model": "006_mustard_bottle", "size": 0.03, "position": …, "orientation": …}}'
             ", or the path of a TOML file with tables [tags.7]"
         )
-    read = validated(TagsOptions, "tags", given, RENAMED)
+    read = validated(TagsOptions, "tags", given)
     for number, tag in read.tags.items():
         if not 0.99 < float(np.linalg.norm(tag.orientation)) < 1.01:
             raise IgripError(f"tags: tags.{number}.orientation: is not a rotation")
