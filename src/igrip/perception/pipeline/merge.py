@@ -11,7 +11,7 @@ from igrip.entities import Hand, ObjectPose
 from igrip.observation import Observation
 from igrip.rgbd import Array, RgbdFrame
 
-TICK = 0.05  # s of silence after which the estimator is told that time passes (DESIGN §3)
+TICK = 0.05  # s of silence after which a message without entities is sent (DESIGN §3)
 
 
 class DetectedHands(NamedTuple):

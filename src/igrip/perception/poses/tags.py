@@ -164,7 +164,7 @@ class TagPoses:
         before = up = None
         if last is not None and frame.t - last.t <= self._options.max_pose_age:
             before = camera_from_world @ last.world_from_object
-        # a camera that was never placed knows no up
+        # without a calibrated pose of the camera, up is unknown
         if self._upright[id] and not np.array_equal(frame.world_from_camera, np.eye(4)):
             up = np.array([0.0, 0.0, 1.0]), camera_from_world[:3, :3] @ self._options.up
         return choose_pose(tag_poses(tags, self._placements[id], frame.intrinsics), before, up)
