@@ -106,7 +106,7 @@ def main() -> None:
     viewer.note("Task", words)
     viewer.show_replay(moments, len(moments) - 1)
     catalog = load_objects("ycb")
-    zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_from)
+    zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_threshold)
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         page = browser.new_page(viewport={"width": 1600, "height": 900})

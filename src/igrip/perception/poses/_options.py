@@ -15,13 +15,7 @@ S = TypeVar("S", bound=Settings)
 
 
 def parse_options(texts: Sequence[str]) -> dict[str, Any]:
-    """Return the options in texts ``NAME=VALUE``; a value may be JSON.
-
-    Raises
-    ------
-    IgripError
-        If a text is not of that form.
-    """
+    """Return the options in texts ``NAME=VALUE``; a value may be JSON. Others raise IgripError."""
     options: dict[str, Any] = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -37,23 +31,9 @@ def parse_options(texts: Sequence[str]) -> dict[str, Any]:
 def validated(
     kind: type[S], estimator: str, options: Mapping[str, Any], renamed: Mapping[str, str]
 ) -> S:
-    """Return an estimator's options as its settings.
+    """Return an estimator's options as its settings, or raise an IgripError that names the option.
 
-    Parameters
-    ----------
-    kind : type of Settings
-        The estimator's own.
-    estimator : str
-        Its name, for messages.
-    options : mapping
-        As they were given.
-    renamed : mapping of str to str
-        What options are called now, by their names in version 0.1.
-
-    Raises
-    ------
-    IgripError
-        If an option is unknown or wrong; the message names it.
+    ``renamed`` are the new names of options by their names in version 0.1.
     """
     for old in options.keys() & renamed.keys():
         raise IgripError(f"{estimator}: option {old} is now called {renamed[old]}")

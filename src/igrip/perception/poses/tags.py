@@ -22,6 +22,7 @@ from igrip.perception.poses import POSES
 from igrip.perception.poses._options import validated
 from igrip.perception.poses._tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.transforms import object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
@@ -93,13 +94,8 @@ class _LastPose(NamedTuple):
 class TagPoses:
     """Poses of tagged objects.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        The objects.
-    options : mapping
-        The fields of :class:`TagsOptions`; ``tags`` may be the path of a TOML file, whose other
-        keys are options, too.
+    ``options`` are the fields of :class:`TagsOptions`; ``tags`` may be the path of a TOML file,
+    whose other keys are options, too.
 
     Raises
     ------
@@ -125,7 +121,7 @@ class TagPoses:
             if self._models.setdefault(id, tag.model) != tag.model:
                 raise IgripError(f"tag {number}: {id!r} is of two models")
             self._upright[id] = self._upright.get(id, False) or tag.upright
-            pose = _matrix(tag.position, tag.orientation)
+            pose = rigid(Rotation.from_quat(tag.orientation).as_matrix(), tag.position)
             self._placements[id][number] = TagPlacement(tag.size, pose)
         self._detector = TagDetector(self._options.family, self._options.decimate)
         self._last: dict[tuple[str, str], _LastPose] = {}  # by camera and object
@@ -177,12 +173,10 @@ class TagPoses:
     def _last_pose(self, frame: RgbdFrame, id: str, pose: TagPose, probability: float) -> _LastPose:
         world_from_object = frame.world_from_camera @ pose.camera_from_object
         rotation = frame.world_from_camera[:3, :3]
-        x, y, z = world_from_object[:3, 3].tolist()
-        a, b, c, d = Rotation.from_matrix(world_from_object[:3, :3]).as_quat().tolist()
-        sx, sy, sz = np.sqrt(np.diag(rotation @ pose.covariance @ rotation.T)).tolist()
-        message = ObjectPose(
-            position=(x, y, z), orientation=(a, b, c, d), model=self._models[id], t=frame.t,
-            std=(sx, sy, sz), score=probability, source="tags",
+        std = tuple(np.sqrt(np.diag(rotation @ pose.covariance @ rotation.T)).tolist())
+        message = object_pose(
+            world_from_object, model=self._models[id], t=frame.t, std=std, score=probability,
+            source="tags",
         )  # fmt: skip
         return _LastPose(world_from_object, frame.t, message)
 
@@ -217,13 +211,6 @@ def _beside(pixels: Array, hand: Array, margin: float) -> bool:
     """Whether a hand, (21, 2), may cover corners, (4, 2): its box, grown, meets theirs."""
     low, high = hand.min(axis=0) - margin, hand.max(axis=0) + margin
     return bool((pixels.max(axis=0) >= low).all() and (pixels.min(axis=0) <= high).all())
-
-
-def _matrix(position: Vector, orientation: Quaternion) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(orientation).as_matrix()
-    pose[:3, 3] = position
-    return pose
 
 
 def read_options(options: Mapping[str, Any]) -> TagsOptions:

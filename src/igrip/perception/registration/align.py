@@ -13,35 +13,18 @@ from igrip.rgbd import Array
 
 
 class Resting(NamedTuple):
-    """How a mesh rests on the table, as a weak prior of its pose.
+    """How a mesh rests on the table, as a weak prior of its pose."""
 
-    Attributes
-    ----------
-    up : (3,)
-        Direction of the mesh that points up.
-    height : float
-        Of the centre of the mesh over the table [m].
-    weight : float
-        Of this, in shares of the points; 0: it may be anywhere.
-    """
-
-    up: Array
-    height: float
-    weight: float
+    up: Array  # (3,), direction of the mesh that points up
+    height: float  # of the centre of the mesh over the table [m]
+    weight: float  # of this prior, in shares of the points; 0: it may be anywhere
 
 
 class Annealing(NamedTuple):
-    """The steps of a fit; points farther off than the gate do not count (Tukey's biweight).
+    """The steps of a fit; points farther off than the gate do not count (Tukey's biweight)."""
 
-    Attributes
-    ----------
-    first_gate, last_gate : float
-        At the first and at the last step [m].
-    steps : int
-    """
-
-    first_gate: float
-    last_gate: float
+    first_gate: float  # at the first step [m]
+    last_gate: float  # at the last step [m]
     steps: int
 
 

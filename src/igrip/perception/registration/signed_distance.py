@@ -28,21 +28,11 @@ RAYS = np.array([
 
 
 class SignedDistanceField(NamedTuple):
-    """Signed distances from a mesh, negative inside, in its frame.
+    """Signed distances from a mesh, negative inside, in its frame."""
 
-    Attributes
-    ----------
-    values : (nx, ny, nz) float32
-        At the corners of the cells [m].
-    origin : (3,)
-        Of the first corner [m].
-    cell : float
-        Edge of a cell [m].
-    """
-
-    values: NDArray[np.float32]
-    origin: Array
-    cell: float
+    values: NDArray[np.float32]  # (nx, ny, nz), at the corners of the cells [m]
+    origin: Array  # (3,), of the first corner [m]
+    cell: float  # edge of a cell [m]
 
     def distances(self, points: Array) -> Array:
         """Return the signed distances of points (n, 3) of the mesh's frame, shape (n,) [m]."""
@@ -52,15 +42,7 @@ class SignedDistanceField(NamedTuple):
 
 
 def signed_distance_field(vertices: Array, bvh: Bvh) -> SignedDistanceField:
-    """Measure the distances round a mesh.
-
-    Parameters
-    ----------
-    vertices : (v, 3)
-        Of the mesh [m].
-    bvh : Bvh
-        Tree of its triangles.
-    """
+    """Return the field of a mesh with vertices (v, 3) [m], from the tree of its triangles."""
     low, high = vertices.min(axis=0) - MARGIN, vertices.max(axis=0) + MARGIN
     cell = max(MIN_CELL, float(np.prod(high - low) / MAX_CELLS) ** (1.0 / 3.0))
     shape = np.ceil((high - low) / cell).astype(int) + 1

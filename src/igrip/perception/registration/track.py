@@ -36,30 +36,14 @@ CLEARLY = 0.02  # of two fits the first is kept unless the agreement of the othe
 
 @dataclass(frozen=True, eq=False)
 class ObjectTrack:
-    """An object that was found.
+    """An object that was found."""
 
-    Attributes
-    ----------
-    fit : PoseFit
-        Where it is, in the frame of the table.
-    t : float
-        When it was last visible [s].
-    hidden : float
-        Share of it that was hidden when it was found: by what stands before it.
-    state : str
-        ``visible``, ``hidden`` or ``gone``, in the newest frame.
-    gone_for : int
-        Frames in a row in which it seemed gone.
-    velocity : (3,)
-        Of its centre, in the frame of the table [m/s].
-    """
-
-    fit: PoseFit
-    t: float
-    hidden: float
-    state: State = "visible"
-    gone_for: int = 0
-    velocity: Array = field(default_factory=lambda: np.zeros(3))
+    fit: PoseFit  # where it is, in the frame of the table
+    t: float  # when it was last visible [s]
+    hidden: float  # share of it that was hidden when it was found: by what stands before it
+    state: State = "visible"  # in the newest frame
+    gone_for: int = 0  # frames in a row in which it seemed gone
+    velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
 
     def update(self, view: DepthView, t: float) -> ObjectTrack:
         """Return the track after a frame of time ``t`` [s]."""

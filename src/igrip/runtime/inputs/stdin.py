@@ -24,7 +24,9 @@ class StdinInput:
 
     def start(self, loop: Loop) -> None:
         """Begin to read."""
-        threading.Thread(target=read_lines, args=(sys.stdin.buffer, loop), daemon=True).start()
+        # a file of its own: at exit Python aborts if a thread waits in sys.stdin
+        file = open(sys.stdin.fileno(), "rb", closefd=False)  # noqa: SIM115
+        threading.Thread(target=read_lines, args=(file, loop), daemon=True).start()
 
     def close(self) -> None:
         """Do nothing."""
