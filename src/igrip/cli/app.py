@@ -43,7 +43,7 @@ COMMANDS = {
     ),
     "stream": Command(
         "stream:stream",
-        "Take observations from other programs and tell them intentions, until Ctrl-C.",
+        "Receive observations from other programs and send them intentions, until Ctrl-C.",
     ),
     "view": Command(
         "view:view",
@@ -51,7 +51,7 @@ COMMANDS = {
     ),
     "live": Command(
         "live:live",
-        "Watch a camera and say what each hand is about to grasp, and with which grip.",
+        "Watch a camera and predict what each hand is about to grasp, and with which grip.",
     ),
     "record": Command("record:record", "Record colour, depth and intrinsics of cameras."),
     "calibrate": Command(
