@@ -174,7 +174,7 @@ def _page(port: int) -> Viewer | None:
     try:
         viewer = Viewer(port=port)
     except MissingExtraError as error:
-        errors.print(f"{error}; going on without the page", style="yellow")
+        errors.print(f"{error}; continuing without the page", style="yellow")
         return None
     errors.print(f"The scene is live at {viewer.url}")
     return viewer

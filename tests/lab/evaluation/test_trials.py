@@ -75,6 +75,10 @@ def test_causal_accuracy_takes_the_newest_answer() -> None:
     assert right.tolist() == [False, True, True, False, True]
 
 
+def test_causal_accuracy_of_a_single_answer() -> None:
+    assert causal_accuracy(np.array([0.5]), flags("x"), 0.0, 1.0, (0.6,)).tolist() == [True]
+
+
 def test_causal_accuracy_before_the_first_answer_is_wrong() -> None:
     assert causal_accuracy(np.array([0.5]), flags("x"), 0.0, 1.0, (0.4,)).tolist() == [False]
 

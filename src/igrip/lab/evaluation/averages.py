@@ -31,18 +31,8 @@ def mean(values: ArrayLike) -> float | None:
 def average_scores(rows: pd.DataFrame | Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return the paper's numbers and causal accuracy over some trials.
 
-    Parameters
-    ----------
-    rows : DataFrame or mapping of str to column
-        Columns of :func:`igrip.lab.evaluation.trial_metrics.score_answers`.
-    prefix : str
-        Empty for the target, ``grip_`` for the grip.
-
-    Returns
-    -------
-    dict
-        ``success``; ``delay_s``, ``delay_clipped_s`` and ``margin_s`` of the successful trials;
-        ``accuracy`` by part of the movement.
+    ``rows`` are columns of :func:`igrip.lab.evaluation.trial_metrics.score_answers`; ``prefix`` is
+    empty for the target, ``grip_`` for the grip. Times are means over the successful trials.
     """
     success = numbers(rows[f"{prefix}success"])
     accuracy = {f"{f:.0%}": mean(rows[f"{prefix}right_at_{f:.0%}"]) for f in FRACTIONS}

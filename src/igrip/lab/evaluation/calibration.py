@@ -14,17 +14,11 @@ BINS = 10
 
 
 class ReliabilityBins(NamedTuple):
-    """Answers by their stated probability, in bins of equal width. The bins of sets add up.
+    """Answers by their stated probability, in bins of equal width. The bins of sets add up."""
 
-    Attributes
-    ----------
-    answers, stated, correct : (bins,)
-        Of each bin: how many answers, the sum of their probabilities, and how many were correct.
-    """
-
-    answers: NDArray[np.int64]
-    stated: Array
-    correct: Array
+    answers: NDArray[np.int64]  # (bins,): how many
+    stated: Array  # (bins,): sums of their probabilities
+    correct: Array  # (bins,): how many were correct
 
     @classmethod
     def of(cls, stated: Sequence[float], correct: Sequence[bool]) -> ReliabilityBins:
@@ -48,17 +42,7 @@ class ReliabilityBins(NamedTuple):
 def squared_error(probability: Mapping[str, float], truth: str) -> float:
     """Return the squared error of one answer over all classes; its mean is the Brier score.
 
-    Parameters
-    ----------
-    probability : mapping of str to float
-        Of each class; sums to 1.
-    truth : str
-        The class that was true; where it has no probability, that was 0.
-
-    Returns
-    -------
-    float
-        In [0, 2] (Brier 1950, Mon. Weather Rev. 78:1-3).
+    In [0, 2] (Brier 1950, Mon. Weather Rev. 78:1-3); a true class without probability had 0.
     """
     error = sum((p - (name == truth)) ** 2 for name, p in probability.items())
     return error + (0.0 if truth in probability else 1.0)
@@ -69,19 +53,8 @@ def interval_over_groups(
 ) -> tuple[float, float]:
     """Return a bootstrap interval of a mean, over groups (participants) drawn with replacement.
 
-    Parameters
-    ----------
-    values : (n,)
-        One per trial; NaN does not count.
-    groups : (n,)
-        Number or name of the group of each.
-    draws, level, seed
-        Of the bootstrap (Efron & Tibshirani 1993; percentile interval).
-
-    Returns
-    -------
-    low, high : float
-        NaN with fewer than two groups.
+    The percentile interval (Efron & Tibshirani 1993) of ``values`` (n,), where NaN does not count,
+    with the group of each in ``groups`` (n,). Both ends are NaN with fewer than two groups.
     """
     column = np.asarray(values, dtype=np.float64)
     known = np.isfinite(column)

@@ -20,18 +20,10 @@ RELIABILITIES = tuple(
 
 
 class MessageEvidence(NamedTuple):
-    """What commitment was decided on after one message.
+    """What commitment was decided on after one message."""
 
-    Attributes
-    ----------
-    hands : dict of str to Evidence
-        Of each hand that was measured and accepted.
-    rejected : frozenset of str
-        Hands whose measurement was rejected.
-    """
-
-    hands: dict[str, Evidence]
-    rejected: frozenset[str]
+    hands: dict[str, Evidence]  # of each hand that was measured and accepted
+    rejected: frozenset[str]  # hands whose measurement was rejected
 
 
 class Lease(NamedTuple):

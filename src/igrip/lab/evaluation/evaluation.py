@@ -18,23 +18,8 @@ from igrip.objects.catalog import load_objects
 class Evaluation:
     """Rows of an evaluation, kept in a file as they come.
 
-    Parameters
-    ----------
-    dataset : Dataset
-        What to evaluate on.
-    configs : sequence of Config
-        One per estimator.
-    out : Path
-        Folder of the report; ``rows.jsonl`` in it holds what is done.
-    objects : sequence of str
-        Sources of objects in place of the dataset's own.
-
-    Attributes
-    ----------
-    catalog : Catalog
-        The objects.
-    rows : list of dict
-        Of the trials that were asked for last, once all are done.
+    ``rows.jsonl`` in the folder ``out`` holds what is done; ``objects`` are sources in place of the
+    dataset's own. Once all is done, ``rows`` are those of the trials that were asked for last.
     """
 
     def __init__(

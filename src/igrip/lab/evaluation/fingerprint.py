@@ -19,14 +19,8 @@ PACKAGE = Path(__file__).parents[2]
 def fingerprint(dataset: Dataset, configs: Sequence[Config], objects: Sequence[str]) -> str:
     """Return a digest of the tables, the configurations, the meshes, the code and its weights.
 
-    Parameters
-    ----------
-    dataset : Dataset
-        What is evaluated; its recordings are not part of the digest (:func:`recording_stamp`).
-    configs : sequence of Config
-        Of the estimators.
-    objects : sequence of str
-        Sources of objects, as :func:`igrip.load_objects` accepts them.
+    Recordings are not part of it (:func:`recording_stamp`); ``objects`` are sources as
+    :func:`igrip.load_objects` accepts them.
     """
     digest = hashlib.sha256(__version__.encode())
     for name in ("trials.tsv", "dataset.json"):

@@ -16,17 +16,15 @@ CUTOFF = 6.0  # Hz of the zero-phase filter; reaching is below it (Winter 2009, 
 
 
 def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[float, float] | None:
-    """Return onset and end of the one movement in a trace of speeds.
+    """Return onset and end of the one movement in a trace of speeds [s].
 
     Onset: first sample before the peak that is faster than 10 % of it. End: first sample after it
     that is slower than the lowest speed after it plus 10 % of what the peak exceeds that by.
 
     Parameters
     ----------
-    times : (n,)
-        Increasing [s].
-    speeds : (n,)
-        Of the hand [m/s].
+    times, speeds : (n,)
+        Increasing times [s], and speeds of the hand [m/s].
     noisy : bool
         Whether the trace is measured: noise at rest then passes 10 % of the peak now and again, so
         the *last* time that the speed rises above it before the peak is the onset. (Of a reach
@@ -35,7 +33,7 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
     Returns
     -------
     (float, float) or None
-        Onset and end [s]; None where the trace does not hold a peak between two slower parts.
+        None where the trace does not hold a peak between two slower parts.
     """
     if len(speeds) < 3 or not np.isfinite(speeds).all():
         return None
@@ -59,16 +57,9 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
 def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
     """Return speeds of a raw trace after a median filter and a zero-phase low-pass, on even times.
 
-    Parameters
-    ----------
-    times : (n,), positions : (n, 3)
-        Increasing times [s] and positions [m]; gaps are bridged by straight lines.
-
-    Returns
-    -------
-    times, speeds : (m,)
-        At the median rate of the trace [s, m/s]; empty where the trace is too short to filter, or
-        nearly all of its time is a gap.
+    From increasing times (n,) [s] and positions (n, 3) [m], whose gaps are bridged by straight
+    lines, to times and speeds (m,) at the median rate of the trace [s, m/s]; both are empty where
+    the trace is too short to filter, or nearly all of its time is a gap.
     """
     nothing = np.empty(0), np.empty(0)
     if len(times) < 3:

@@ -19,33 +19,17 @@ SILENCE = 0.3  # shorter gaps between the looks for a target are never silence [
 
 @dataclass
 class RecordedTrial:
-    """The detections of the hand and the target of one trial.
+    """The detections of the hand and the target of one trial."""
 
-    Attributes
-    ----------
-    trial : Trial
-        Its row of the table.
-    times, hand_detected : lists
-        Time of each message [s], and whether the hand was measured in it.
-    looked, target_detected : lists
-        Times at which the target was looked for [s], and whether it was detected.
-    hand_times, hand_positions : lists
-        Raw measurements of the hand [s, m].
-    objects : set of str
-        Ids of all objects that were ever detected.
-    observed : int
-        Messages with the hand, and with the target where it was looked for.
-    """
-
-    trial: Trial
-    times: list[float] = field(default_factory=list)
-    hand_detected: list[bool] = field(default_factory=list)
-    looked: list[float] = field(default_factory=list)
-    target_detected: list[bool] = field(default_factory=list)
-    hand_times: list[float] = field(default_factory=list)
-    hand_positions: list[tuple[float, float, float]] = field(default_factory=list)
-    objects: set[str] = field(default_factory=set)
-    observed: int = 0
+    trial: Trial  # its row of the table
+    times: list[float] = field(default_factory=list)  # of each message [s]
+    hand_detected: list[bool] = field(default_factory=list)  # in each message
+    looked: list[float] = field(default_factory=list)  # when the target was looked for [s]
+    target_detected: list[bool] = field(default_factory=list)  # each time
+    hand_times: list[float] = field(default_factory=list)  # of raw measurements [s]
+    hand_positions: list[tuple[float, float, float]] = field(default_factory=list)  # [m]
+    objects: set[str] = field(default_factory=set)  # ids of all that were ever detected
+    observed: int = 0  # messages with the hand, and the target if looked for
 
     def add(self, observation: Observation) -> None:
         """Append one message."""

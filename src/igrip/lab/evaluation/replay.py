@@ -15,21 +15,11 @@ FRACTIONS = ("40%", "60%")
 
 
 class ReplayedTrial(NamedTuple):
-    """One trial replayed.
+    """One trial replayed."""
 
-    Attributes
-    ----------
-    rows : list of dict
-        One per estimator, as :func:`igrip.lab.evaluation.trial_rows.score_run` returns them.
-    intentions : list of list of Intention
-        The answers of each estimator, if they were asked for.
-    cut : str or None
-        Where the recording was cut off.
-    """
-
-    rows: list[Row]
-    intentions: list[list[Intention]]
-    cut: str | None
+    rows: list[Row]  # one per estimator, of :func:`score_run`
+    intentions: list[list[Intention]]  # of each estimator, if asked for
+    cut: str | None  # where the recording was cut off
 
 
 def replay_run(run: TrialRun, keep_intentions: bool = False) -> ReplayedTrial:

@@ -74,30 +74,14 @@ class EstimatorRun:
 
 @dataclass
 class TrialRun:
-    """What a recording holds, and what estimators answered to it.
+    """What a recording holds, and what estimators answered to it."""
 
-    Attributes
-    ----------
-    recorded : RecordedTrial
-        The trial, and the detections of its hand and target.
-    estimators : sequence of EstimatorRun
-        One per configuration.
-    objects : list of PlacedObject
-        The usable objects when the movement began; at the end where that is not known.
-    unknown_objects : list of str
-        The objects without a model, each with the reason.
-    cut : str or None
-        Where the recording was cut off.
-    problem : str or None
-        Why there is nothing to score: the row of the table, or the recording.
-    """
-
-    recorded: RecordedTrial
-    estimators: Sequence[EstimatorRun]
-    objects: list[PlacedObject] = field(default_factory=list)
-    unknown_objects: list[str] = field(default_factory=list)
-    cut: str | None = None
-    problem: str | None = None
+    recorded: RecordedTrial  # the trial, and the detections of its hand and target
+    estimators: Sequence[EstimatorRun]  # one per configuration
+    objects: list[PlacedObject] = field(default_factory=list)  # at the onset, or else at the end
+    unknown_objects: list[str] = field(default_factory=list)  # without a model, with the reason
+    cut: str | None = None  # where the recording was cut off
+    problem: str | None = None  # why there is nothing to score
 
     @property
     def trial(self) -> Trial:
@@ -144,20 +128,8 @@ def run_trials(
 ) -> Iterator[Result]:
     """Run estimators over trials of a dataset, in parallel processes; yield in order.
 
-    Parameters
-    ----------
-    dataset : Dataset
-        Whose trials.
-    catalog : Catalog
-        Of its objects.
-    configs : sequence of Config
-        One per estimator.
-    analyse : function
-        From a :class:`TrialRun` to what is wanted of it. Another process finds it by its name.
-    trials : sequence of Trial
-        Which.
-    jobs : int
-        Number of processes (:func:`count_jobs`); with 1 there is no other.
+    ``analyse`` reduces a :class:`TrialRun` to what is wanted of it; another process finds it by its
+    name. With ``jobs`` (:func:`count_jobs`) of 1 there is no other process.
     """
     analyse_trial = partial(_analyse_trial, dataset, catalog, tuple(configs), analyse)
     if jobs <= 1:

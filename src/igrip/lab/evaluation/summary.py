@@ -38,14 +38,8 @@ def frame_of(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 def summarise(frame: pd.DataFrame, name: str, targets: Sequence[str]) -> dict[str, Any]:
     """Sum up an evaluation; the keys are documented in ``docs/evaluation.md``.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        As :func:`frame_of` returns it.
-    name : str
-        Name of the dataset.
-    targets : sequence of str
-        The estimators, in the order of the report.
+    ``frame`` is that of :func:`frame_of`, ``name`` the dataset's, and ``targets`` are the
+    estimators in the order of the report.
     """
     one = frame[frame["targets"] == targets[0]]  # for what does not depend on the estimator
     broken = one[one["problem"].notna()]

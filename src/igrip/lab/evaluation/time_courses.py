@@ -18,39 +18,22 @@ SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
 class TimeCourses(NamedTuple):
     """What was answered for one hand over time.
 
-    Attributes
-    ----------
-    times : (n,)
-        Times of the answers [s].
-    objects : tuple of str
-        Which objects have a line each.
-    panels : dict of str to (lines, n)
-        Values of each panel, NaN where there is none: one line for the speed, one for each object
-        for a score and for the target (its number from 1 while it is the target), one for each grip
-        (1 or 2 while it is the grip).
-    none : (n,)
-        Probability of no target; NaN where there is none.
+    Each panel, (lines, n) with NaN for nothing, has one line for the speed, one for each object
+    for a score and for the target (its number, from 1), and one for each grip (1 or 2).
     """
 
-    times: Array
-    objects: tuple[str, ...]
+    times: Array  # of the answers, (n,) [s]
+    objects: tuple[str, ...]  # which have a line each
     panels: dict[str, Array]
-    none: Array
+    none: Array  # probability of no target, (n,)
 
 
 def time_courses(
     intentions: Sequence[Intention], speeds: Sequence[float], max_objects: int | None = None
 ) -> TimeCourses:
-    """Gather the time courses of one hand.
+    """Gather the time courses of one hand from its intentions and its speed at each [m/s].
 
-    Parameters
-    ----------
-    intentions : sequence of Intention
-        Of one hand, in order of time.
-    speeds : sequence of float
-        Of the hand at each [m/s].
-    max_objects : int, optional
-        Only so many objects: past targets first, then those that are likeliest now.
+    With more than ``max_objects``, past targets come first, then those that are likeliest now.
     """
     objects = _choose_objects(intentions, max_objects)
     n = len(intentions)

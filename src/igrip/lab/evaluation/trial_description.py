@@ -57,14 +57,7 @@ def describe_trial(
 ) -> dict[str, Any]:
     """Return the columns that do not depend on the estimator (``docs/evaluation.md``).
 
-    Parameters
-    ----------
-    recorded : RecordedTrial
-        The trial and its detections.
-    bounds : (float, float) or None
-        Onset and end of the movement [s]; None: there is none.
-    objects : sequence of PlacedObject
-        The usable objects when the movement began.
+    ``bounds`` are onset and end of the movement [s] or None; ``objects`` those usable at onset.
     """
     trial = recorded.trial
     row: dict[str, Any] = {

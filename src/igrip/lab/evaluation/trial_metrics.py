@@ -23,16 +23,8 @@ def score_answers(
 ) -> dict[str, Any]:
     """Return the columns of one estimator in one trial (``docs/evaluation.md``).
 
-    Parameters
-    ----------
-    trial : Trial
-        The task.
-    bounds : (float, float) or None
-        Onset and end of the movement [s]; None: there is none.
-    intentions : sequence of Intention
-        All answers, of every hand, in order of time.
-    last : float
-        Time of the recording's last message [s]: what was not recorded cannot be correct.
+    ``bounds`` are onset and end of the movement [s] or None; ``intentions`` of every hand, in
+    order. What comes after ``last``, the time of the last message [s], cannot be correct.
     """
     if trial.target == NO_REACH:
         return _count_named_targets(intentions)

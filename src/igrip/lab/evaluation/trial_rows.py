@@ -22,13 +22,6 @@ def score_run(run: TrialRun, commitments: bool = True) -> list[Row]:
 
     What leaves something to score (a recording that is cut off, an object without a model) is named
     as ``remark``.
-
-    Parameters
-    ----------
-    run : TrialRun
-        What estimators answered.
-    commitments : bool
-        Whether leases are evaluated as well.
     """
     trial = run.trial
     base: Row = {

@@ -14,26 +14,13 @@ SUCCESS_RATIO = 0.70
 
 
 class TrialScore(NamedTuple):
-    """The paper's verdict on one trial.
+    """The paper's verdict on one trial."""
 
-    Attributes
-    ----------
-    success : bool
-        Whether the answer was right in more than 70 % of the frames from k_target to k_f.
-    ratio : float
-        That part; 0 where no frame was right.
-    found : float or None
-        Time of k_target, the first frame of the longest run of right ones [s].
-    delay, margin : float or None
-        From movement onset to k_target, and from k_target to the end [s]. The delay is negative
-        where the run began before onset.
-    """
-
-    success: bool
-    ratio: float
-    found: float | None
-    delay: float | None
-    margin: float | None
+    success: bool  # right in more than 70 % of the frames from k_target to k_f
+    ratio: float  # that part; 0 where no frame was right
+    found: float | None  # k_target, the first frame of the longest run of right ones [s]
+    delay: float | None  # from onset to k_target; negative if it is before [s]
+    margin: float | None  # from k_target to the end [s]
 
 
 def longest_run(correct: Flags) -> tuple[int, int]:
@@ -53,14 +40,8 @@ def longest_run(correct: Flags) -> tuple[int, int]:
 def score_trial(times: Times, correct: Flags, onset: float, end: float) -> TrialScore:
     """Score one trial as the paper does (SPEC §7).
 
-    Parameters
-    ----------
-    times : (n,)
-        Times of the frames, increasing [s].
-    correct : (n,)
-        Whether the answer was right in each.
-    onset, end : float
-        Of the movement [s]; frames after the end (k_f) do not count.
+    ``times`` (n,) are those of the frames, increasing [s]; ``correct`` (n,) says whether the answer
+    was right in each. Frames after the end (k_f) do not count.
     """
     within = times <= end
     times, correct = times[within], correct[within]
@@ -75,19 +56,9 @@ def score_trial(times: Times, correct: Flags, onset: float, end: float) -> Trial
 def causal_accuracy(
     times: Times, correct: Flags, onset: float, end: float, fractions: Sequence[float]
 ) -> Flags:
-    """Return whether the newest answer was right at fractions of the movement.
+    """Return whether the newest answer was right at fractions of the movement, from 0 to 1.
 
-    Parameters
-    ----------
-    times, correct, onset, end
-        As for :func:`score_trial`.
-    fractions : sequence of float
-        Of the time from onset (0) to end (1).
-
-    Returns
-    -------
-    (len(fractions),) bool
-        False where there was no answer yet.
+    False where there was no answer yet. For the other parameters see :func:`score_trial`.
     """
     at = onset + np.asarray(fractions, dtype=np.float64) * (end - onset)
     # times come as decimal text: a frame that falls on the instant must not be missed by rounding

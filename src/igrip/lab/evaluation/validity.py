@@ -24,19 +24,10 @@ class Detection(NamedTuple):
 def assess_detection(
     times: Sequence[float], detected: Sequence[bool], begin: float, end: float
 ) -> Detection:
-    """Assess the detections of one thing between two times.
+    """Assess the detections (n,) of one thing at times (n,) of frames between two times [s].
 
     Found: at the start of the first run of 3 consecutive detections. Not too late: more than 0.5 s,
     or more than half of the trial, remained then. Gaps count from there to the end of the trial.
-
-    Parameters
-    ----------
-    times : (n,)
-        Of the frames in which it was looked for, increasing [s].
-    detected : (n,)
-        Whether it was detected in each.
-    begin, end : float
-        Of the trial [s].
     """
     frames = [flag for t, flag in zip(times, detected, strict=True) if begin <= t <= end]
     runs = [k for k in range(len(frames) - RUN + 1) if all(frames[k : k + RUN])]

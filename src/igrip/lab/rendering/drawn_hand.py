@@ -35,21 +35,11 @@ OPEN_HAND = np.array([
 
 
 class Sprite(NamedTuple):
-    """A hand without a background.
+    """A hand without a background."""
 
-    Attributes
-    ----------
-    colour : (h, w, 3) uint8
-        Red, green, blue.
-    alpha : (h, w) float32
-        1 on the hand, 0 beside it.
-    landmarks : (21, 2)
-        In MediaPipe's order [pixels of the sprite].
-    """
-
-    colour: NDArray[np.uint8]
-    alpha: NDArray[np.float32]
-    landmarks: Array
+    colour: NDArray[np.uint8]  # (h, w, 3), RGB
+    alpha: NDArray[np.float32]  # (h, w): 1 on the hand, 0 beside it
+    landmarks: Array  # (21, 2), in MediaPipe's order [pixels of the sprite]
 
     @property
     def palm(self) -> Array:
@@ -68,14 +58,8 @@ class Sprite(NamedTuple):
 def draw_hand(landmarks: Array | None = None, length: float = 120.0, seed: int = 0) -> Sprite:
     """Draw a hand: a palm, fingers and an arm, rounded by their shading.
 
-    Parameters
-    ----------
-    landmarks : (21, 2), optional
-        In lengths of the palm; by default a spread right hand seen from its palm.
-    length : float
-        Of the palm [pixels].
-    seed : int
-        Of the grain of its skin.
+    ``landmarks`` (21, 2) are in lengths of the palm, by default a spread right hand seen from its
+    palm; ``length`` is that of the palm [pixels]; ``seed`` that of the grain of its skin.
     """
     import cv2
 
@@ -144,25 +128,19 @@ def paste_hand(
 
     Parameters
     ----------
-    frame : RgbdFrame
-        Left as it is.
-    sprite : Sprite
-        The hand.
+    frame, sprite
+        Both left as they are.
     pixel : 2 floats
         Where its palm centre (mean of landmarks 0, 5, 17) goes.
     depth : float
         Of the palm's skin there [m].
-    turn : float
-        By which it is turned in the picture [rad].
-    light : float
-        How many times as bright as it was.
+    turn, light : float
+        By which it is turned in the picture [rad], and how many times as bright as it was.
 
     Returns
     -------
-    frame : RgbdFrame
-        With the hand in colour and, where there is depth, in depth.
-    landmarks : (21, 2)
-        Of the hand in the frame [pixels].
+    frame, landmarks : RgbdFrame, (21, 2)
+        With the hand in colour and, where there is depth, in depth; and the hand's pixels.
     """
     import cv2
 

@@ -28,40 +28,15 @@ with it."""
 
 @dataclass(frozen=True, eq=False)
 class FilmedReach:
-    """One trial before a camera.
+    """One trial before a camera."""
 
-    Attributes
-    ----------
-    task : TrialTask
-        What the person does; models are the objects' ids.
-    done : PerformedTask
-        What truly happens, in the protocol's world; that of the frames begins at :data:`MIDDLE`.
-    scene : RenderedScene
-        The table, and where the camera stands.
-    seed : int
-        Of the camera's noise.
-    """
-
-    task: TrialTask
-    done: PerformedTask
-    scene: RenderedScene
-    seed: int
+    task: TrialTask  # models are the objects' ids
+    done: PerformedTask  # in the protocol's world; that of the frames begins at MIDDLE
+    scene: RenderedScene  # the table, and where the camera stands
+    seed: int  # of the camera's noise
 
     def frames(self, put_hand: PutHand, begin: float = 0.0) -> Iterator[RgbdFrame]:
-        """Render the trial.
-
-        Parameters
-        ----------
-        put_hand : function
-            See :data:`PutHand`; called for the hand that reaches.
-        begin : float
-            Time of the first frame [s].
-
-        Yields
-        ------
-        RgbdFrame
-            At the times of the performance.
-        """
+        """Render the trial from a time on [s]; ``put_hand`` is called for the hand that reaches."""
         random = np.random.default_rng(self.seed)
         for t, palm in zip(self.done.times.tolist(), self.palms(), strict=True):
             yield put_hand(self.scene.frame(begin + t, random), self.task.hand, palm)
@@ -79,16 +54,8 @@ def film_reach(
 ) -> FilmedReach:
     """Let a simulated person do one trial of the paper's protocol, before a camera.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        Must hold the paper's objects.
-    seed : int
-        Another seed, another person, table, task and camera.
-    world : CohortParameters, optional
-        Of people and protocol; healthy by default.
-    intrinsics : Intrinsics
-        Of the camera.
+    The catalog must hold the paper's objects. Another seed is another person, table, task and
+    camera; ``world`` holds people and protocol, healthy by default.
     """
     random = np.random.default_rng(seed)
     world = world or cohort_parameters("healthy")

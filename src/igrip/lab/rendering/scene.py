@@ -58,19 +58,10 @@ class Overlay:
 
 @dataclass(frozen=True, eq=False)
 class RenderedScene:
-    """Objects on the table z = 0 of the world (z up), and a camera.
+    """Objects on the table z = 0 of the world (z up), and a camera."""
 
-    Attributes
-    ----------
-    objects : dict of str to PlacedMesh
-        By id.
-    world_from_camera : (4, 4)
-    intrinsics : Intrinsics
-    config : RenderConfig
-    """
-
-    objects: dict[str, PlacedMesh]
-    world_from_camera: Array
+    objects: dict[str, PlacedMesh]  # by id
+    world_from_camera: Array  # (4, 4)
     intrinsics: Intrinsics = OAK
     config: RenderConfig = field(default_factory=RenderConfig)
 

@@ -50,7 +50,7 @@ class StereoNoise(Settings):
 def measured_depth(
     depth: Array, cosine: Array, fx: float, noise: StereoNoise, random: np.random.Generator
 ) -> NDArray[np.float32]:
-    """Return what the camera measures.
+    """Return the depth that the camera measures, (h, w) [m]; 0 where there is none.
 
     Parameters
     ----------
@@ -60,15 +60,6 @@ def measured_depth(
         Between surface and line of sight; 1 for a surface that faces the camera.
     fx : float
         Focal length [pixels].
-    noise : StereoNoise
-        Its errors.
-    random : numpy.random.Generator
-        Where they come from.
-
-    Returns
-    -------
-    (h, w) float32
-        Depth [m]; 0 where there is none.
     """
     scale = fx * noise.baseline
     with np.errstate(divide="ignore"):

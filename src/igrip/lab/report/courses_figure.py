@@ -52,17 +52,8 @@ def find_k_target(
 def draw_courses(run: TrialRun, bounds: Bounds) -> Any | None:
     """Draw eight panels: A speed, B-E confidences, F global (dashed: none), G target, H grip.
 
-    Parameters
-    ----------
-    run : TrialRun
-        Of one estimator; its intentions are drawn.
-    bounds : (float, float)
-        Onset and end of the movement [s].
-
-    Returns
-    -------
-    Figure or None
-        None where the hand of the task was never measured.
+    Of the first estimator of a run, with onset and end [s]. None where the hand of the task was
+    never measured.
     """
     courses, task = courses_of_trial(run), run.trial
     if not len(courses.times):

@@ -23,10 +23,7 @@ COLOURS = ("#2ca02c", "#2e78c2", "#e88c2e", "#b03a9c", "#7a6a3a", "#d04040", "#3
 def draw_participants(rows: pd.DataFrame) -> Any:
     """Draw shares of valid trials, of targets and of grips found, for each participant.
 
-    Parameters
-    ----------
-    rows : DataFrame
-        Rows of one estimator.
+    ``rows`` are those of one estimator.
     """
     reaches = reaches_of(rows)
     valid = valid_of(reaches)

@@ -33,22 +33,11 @@ def write_report(
     summary: Mapping[str, Any],
     chosen: str | None = None,
 ) -> None:
-    """Write ``summary.json``, ``trials.parquet``, ``figures/`` and ``report.html``.
+    """Write ``summary.json``, ``trials.parquet``, ``figures/`` and ``report.html`` to a folder.
 
-    Parameters
-    ----------
-    out : Path
-        Folder of the report.
-    dataset, catalog : Dataset, Catalog
-        What was evaluated.
-    configs : sequence of Config
-        Of the estimators that were evaluated.
-    frame : DataFrame
-        A row for each recording and estimator.
-    summary : mapping
-        Of :func:`igrip.lab.evaluation.summary.summarise`.
-    chosen : str, optional
-        Recording of the time courses; by default a typical one.
+    ``frame`` has a row for each recording and estimator, ``summary`` is that of
+    :func:`igrip.lab.evaluation.summary.summarise`, and ``chosen`` the recording of the time
+    courses, by default a typical one.
 
     Raises
     ------

@@ -60,24 +60,12 @@ def rest_points(protocol: ProtocolParameters) -> dict[str, Array]:
 
 @dataclass(frozen=True)
 class PerformedTask:
-    """What truly happened in one trial; both cameras see the same.
+    """What truly happened in one trial; both cameras see the same."""
 
-    Attributes
-    ----------
-    times : (n,)
-        Of the frames [s].
-    palms : dict of str to (n, 3)
-        Both palms [m].
-    table : Table
-        The objects.
-    bounds : (float, float)
-        Onset and end of the movement [s].
-    """
-
-    times: Array
-    palms: Mapping[str, Array]
+    times: Array  # of the frames, (n,) [s]
+    palms: Mapping[str, Array]  # both palms, (n, 3) [m]
     table: Table
-    bounds: tuple[float, float]
+    bounds: tuple[float, float]  # onset and end of the movement [s]
 
 
 def perform(
@@ -133,10 +121,6 @@ def simulate_cohort(
         A new folder.
     catalog : Catalog
         Must hold the paper's objects.
-    parameters : CohortParameters
-        Of the cohort.
-    participants, seed : int
-        How many people, and the seed of all that is drawn.
     trials : int, optional
         Only the first so many trials of each participant.
     no_reach_minutes : int
@@ -172,14 +156,8 @@ def simulate_cohort(
 class Participant:
     """One simulated participant, with the two cameras that stand before them.
 
-    Parameters
-    ----------
-    parameters : CohortParameters
-        Of the cohort.
-    number, seed : int
-        Of the participant, from 0, and of the cohort; they fix all that is drawn.
-    trials : int, optional
-        Only the first so many.
+    ``number`` (from 0) and ``seed`` (of the cohort) fix all that is drawn; only the first so many
+    ``trials`` are done.
     """
 
     def __init__(

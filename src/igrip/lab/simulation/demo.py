@@ -60,21 +60,7 @@ class Moment:
 class DemoPerson:
     """A person at a table with the paper's four objects; the same for the same seed.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        Must hold the paper's objects.
-    seed : int
-        Places objects, orders tasks and draws noise.
-    config : DemoConfig, optional
-        Sizes.
-
-    Attributes
-    ----------
-    table : Table
-        Where the objects stand.
-    rest : dict of str to (3,)
-        Where each palm rests [m].
+    ``table`` is where the objects stand, ``rest`` where each palm rests, (3,) [m].
     """
 
     def __init__(self, catalog: Catalog, seed: int = 0, config: DemoConfig | None = None) -> None:

@@ -25,24 +25,12 @@ SPEC = re.compile(
 
 @dataclass(frozen=True)
 class Fault:
-    """One kind of fault, at a time or at a rate.
+    """One kind of fault, at a time or at a rate."""
 
-    Attributes
-    ----------
-    kind : str
-        One of :data:`KINDS`.
-    at : float
-        When it begins [s]; NaN: at random.
-    lasts : float
-        For how long [s].
-    rate : float
-        How often it begins, a second, where ``at`` is NaN.
-    """
-
-    kind: str
-    at: float = math.nan
-    lasts: float = 0.5
-    rate: float = 0.0
+    kind: str  # of KINDS
+    at: float = math.nan  # when it begins [s]; NaN: at random
+    lasts: float = 0.5  # for how long [s]
+    rate: float = 0.0  # how often it begins, a second, where ``at`` is NaN
 
     @classmethod
     def parse(cls, text: str) -> Fault:
@@ -182,20 +170,10 @@ def inject(
     seed: int = 0,
     counts: Counter[str] | None = None,
 ) -> Iterator[Observation]:
-    """Yield the messages of a source as they come when things go wrong.
+    """Yield the messages of a source as they come when things go wrong, the same for the same seed.
 
     Times never decrease, and every message is well formed: what is wrong is what they say.
-
-    Parameters
-    ----------
-    source : iterable of Observation
-        In order of time.
-    faults : sequence of Fault
-        What goes wrong, and when.
-    seed : int
-        Of what is drawn.
-    counts : Counter, optional
-        How many spells of each kind began is counted here.
+    ``counts`` is increased by how many spells of each kind began.
     """
     spells = [Spell(np.random.default_rng([seed, k])) for k in range(len(faults))]
     held: list[tuple[float, int, Observation]] = []

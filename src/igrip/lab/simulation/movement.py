@@ -39,22 +39,12 @@ def draw_habits(person: PersonParameters, random: np.random.Generator) -> Habits
 
 @dataclass(frozen=True)
 class Submovement:
-    """A displacement that is superposed on what else the hand does.
+    """A displacement that is superposed on what else the hand does."""
 
-    Attributes
-    ----------
-    begin, duration : float
-        When [s].
-    displacement : (3,)
-        How far in all [m].
-    peak_time : float
-        Part of the duration at which it is half done.
-    """
-
-    begin: float
-    duration: float
-    displacement: Array
-    peak_time: float = 0.5
+    begin: float  # [s]
+    duration: float  # [s]
+    displacement: Array  # in all, (3,) [m]
+    peak_time: float = 0.5  # part of the duration at which it is half done
 
     def done(self, t: Array) -> Array:
         """Return which part of the way is done at times [s]."""
@@ -65,24 +55,12 @@ class Submovement:
 
 @dataclass(frozen=True)
 class SimulatedReach:
-    """One reach.
+    """One reach: superposed submovements (Flash & Henis 1991, J. Cogn. Neurosci. 3:220-230)."""
 
-    Attributes
-    ----------
-    start : (3,)
-        Where the hand rests before [m].
-    submovements : sequence of Submovement
-        Superposed (Flash & Henis 1991, J. Cogn. Neurosci. 3:220-230).
-    bow : (3,)
-        Deviation of the path from its chord at the middle of the first submovement [m].
-    end : float
-        When all of them are over [s].
-    """
-
-    start: Array
+    start: Array  # where the hand rests before, (3,) [m]
     submovements: Sequence[Submovement]
-    bow: Array
-    end: float
+    bow: Array  # deviation from the chord at the middle of the first submovement, (3,) [m]
+    end: float  # of all of them [s]
 
     def position(self, t: Array) -> Array:
         """Return the palm at times [s], shape (n, 3) [m]."""
@@ -103,16 +81,9 @@ def draw_reach(
     other: Array | None,
     random: np.random.Generator,
 ) -> SimulatedReach:
-    """Draw one reach of a participant.
+    """Draw one reach of a participant, from ``start`` to ``goal``, (3,) [m], at an onset [s].
 
-    Parameters
-    ----------
-    start, goal : (3,)
-        Where the hand rests, and where the palm should be at the end [m].
-    onset : float
-        When it begins [s].
-    other : (3,) or None
-        Where the reach would go to another object, should the person change their mind [m].
+    ``other`` is where it would go, should the person change their mind, (3,) [m] or None.
     """
     duration = max(0.5, random.normal(habits.duration, person.duration_within))
     end_point = goal + random.normal(0.0, person.end_error, 3)

@@ -20,24 +20,12 @@ KINDS = ("idle", "gesture", "passing", "carrying")
 
 @dataclass(frozen=True)
 class NoReach:
-    """A scene in which nothing is reached for.
+    """A scene in which nothing is reached for."""
 
-    Attributes
-    ----------
-    times : (n,)
-        Of the frames [s].
-    palms : dict of str to (n, 3)
-        Both palms [m].
-    hand : str
-        The hand that moves most.
-    moving : dict of str to function
-        Poses of objects that do not rest.
-    """
-
-    times: Array
-    palms: Mapping[str, Array]
-    hand: str
-    moving: Mapping[str, Poses]
+    times: Array  # of the frames, (n,) [s]
+    palms: Mapping[str, Array]  # both palms, (n, 3) [m]
+    hand: str  # the one that moves most
+    moving: Mapping[str, Poses]  # objects that do not rest
 
 
 def draw_no_reach(
@@ -48,21 +36,7 @@ def draw_no_reach(
     seconds: float,
     random: np.random.Generator,
 ) -> NoReach:
-    """Draw one scene.
-
-    Parameters
-    ----------
-    kind : str
-        One of :data:`KINDS`.
-    table : Table
-        The objects, which are there all the same.
-    cohort : CohortParameters
-        All parameters.
-    rest : mapping of str to (3,)
-        Where each palm rests [m].
-    seconds : float
-        How long it lasts.
-    """
+    """Draw one scene of a kind (:data:`KINDS`) that lasts some seconds; palms rest at (3,) [m]."""
     times = np.arange(0.0, seconds, 1.0 / cohort.protocol.rate)
     hand = ("left", "right")[int(random.integers(2))]
     palms = {

@@ -156,12 +156,8 @@ def observe_scene(
         Of the frames [s].
     palms : mapping of str to (n, 3)
         Where each palm truly is [m].
-    table : Table
-        The objects.
     camera_at : (3,)
         Where the camera stands [m].
-    camera : CameraParameters
-        Its parameters.
     moving : mapping of str to function, optional
         Poses of objects that do not rest.
     """

@@ -33,21 +33,11 @@ class GraspGap(Protocol):
 
 @dataclass(frozen=True)
 class Table:
-    """Objects that stand upright on the plane z = 0.
-
-    Attributes
-    ----------
-    models : mapping of str to ObjectModel
-        By id.
-    places : mapping of str to (3,)
-        Origin of each mesh [m].
-    yaws : mapping of str to float
-        How each is turned about the vertical [rad].
-    """
+    """Objects, by id, that stand upright on the plane z = 0."""
 
     models: Mapping[str, ObjectModel]
-    places: Mapping[str, Array]
-    yaws: Mapping[str, float]
+    places: Mapping[str, Array]  # origin of each mesh, (3,) [m]
+    yaws: Mapping[str, float]  # about the vertical [rad]
 
     def rotation(self, id: str) -> Array:
         """Return world-from-mesh of an object, shape (3, 3)."""
@@ -93,22 +83,7 @@ def yaw_rotation(yaw: float) -> Array:
 
 
 def stand_at(model: ObjectModel, spot: Array, yaw: float) -> Array:
-    """Return the origin of a mesh that stands upright with its middle over a spot.
-
-    Parameters
-    ----------
-    model : ObjectModel
-        Of the object.
-    spot : (2,)
-        On the table [m].
-    yaw : float
-        How it is turned about the vertical [rad].
-
-    Returns
-    -------
-    (3,)
-        In the world [m].
-    """
+    """Return the origin, (3,) [m], of an upright mesh with its middle over a spot (2,) [m]."""
     c, s = math.cos(yaw), math.sin(yaw)
     x, y = model.origin[:2]
     lowest = float(model.vertices[:, 2].min())
