@@ -21,12 +21,11 @@ from igrip.io.importers import RecordedReach
 from igrip.io.resampling import ImportOptions, resample
 from igrip.targets.learned.features import LOCAL
 from igrip.targets.learned.network import MAX_INPUT
-from training.__main__ import PERSONS, weighted
+from training.__main__ import PERSONS, SEED, gather
 from training.learn import Network, fit, inputs_of, standardised
 from training.logit import Terms, fit_logit, linear, logit_scores, quadratic
 from training.moments import Moments, Recording, catalog, follow, joined, moments_of
 from training.people import LEARNED_FROM, VALIDATION, real_recordings
-from training.sources import SEED, gather
 from training.worlds import simulate_person
 
 Array = NDArray[np.float64]
@@ -86,10 +85,10 @@ def endpoint(moments: Moments) -> Array:
 
 def main() -> None:
     """Train every candidate on the same moments and print a table."""
-    tables, work = map(Path, sys.argv[1:3])
-    persons = int(sys.argv[3]) if len(sys.argv) > 3 else PERSONS
+    tables = Path(sys.argv[1])
+    persons = int(sys.argv[2]) if len(sys.argv) > 2 else PERSONS
     folds = [fold for fold in LEARNED_FROM if fold != VALIDATION]
-    moments = weighted(gather(tables, work, persons, folds))
+    moments = gather(tables, persons, folds).moments
     with ProcessPoolExecutor() as pool:
         judged = list(
             pool.map(validation_reach, real_recordings(tables, 3, [VALIDATION]), chunksize=40)

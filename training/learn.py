@@ -1,9 +1,4 @@
-"""Fit of the scorer: softmax over the objects and none, by stochastic gradient.
-
-The weights are kept on a decimal grid at every step. Differences in the last digits between
-machines (other instructions, other orders of summation) are rounded away before they can grow, so
-that a second training gives the same file.
-"""
+"""Fit of the scorer: softmax over the objects and none, by stochastic gradient."""
 
 from __future__ import annotations
 
@@ -29,9 +24,9 @@ from training.adam import DIGITS, Adam
 from training.moments import Moments, selected
 
 Array = NDArray[np.float64]
-UNITS = 40
+UNITS = 48
 TARGET_NETWORKS, REACH_NETWORKS = 2, 2  # of each head
-PASSES, BATCH = 20, 2048
+PASSES, BATCH = 60, 2048
 
 
 def inputs_of(moments: Moments) -> Array:

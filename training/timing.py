@@ -72,6 +72,11 @@ def timing_samples(recording: Recording, frames: Frames) -> TimingSamples:
     )
 
 
+def join_timing(parts: Sequence[TimingSamples]) -> TimingSamples:
+    """Return samples of several recordings as one."""
+    return TimingSamples(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
 def contact_time(recording: Recording, frames: Frames) -> float | None:
     """Return when the palm first comes within 8 cm of the target's surface [s]; None: never."""
     before: tuple[float, float] | None = None

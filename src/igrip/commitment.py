@@ -17,21 +17,18 @@ trusted, too. Otherwise the lease pauses, and after ``max_pause`` it is lost.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, Literal
-
-from pydantic import model_validator
+from typing import Literal
 
 from igrip.entities import Vector
 from igrip.evidence import Evidence
 from igrip.intention import Commitment
-from igrip.risk import default_risk
 from igrip.settings import Settings, quantity
 
 __all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
 
 State = Literal["open", "earning", "committed", "holding"]
 ALL_HANDS: tuple[str, ...] = ("*",)
+MAX_RAISED = 0.98  # no threshold is raised beyond it: it could not be reached
 
 
 class CommitmentConfig(Settings):
@@ -43,17 +40,10 @@ class CommitmentConfig(Settings):
         Ids of the hands that a device assists; ``("*",)``: every hand. No other ever commits.
     needs_confirmation : bool
         Whether each reach must be confirmed from outside (a switch, a muscle) to be acted on.
-    max_wrong : float or None
-        Share of wrong commitments that is accepted: sets the threshold by the familiarity of the
-        movement (:mod:`igrip.risk`). None, or any ``reliability`` without it: by ``reliability``,
-        as for estimators without a familiarity.
     """
 
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
-    max_wrong: float | None = quantity(
-        0.05, "1", "share of wrong commitments that is accepted", "docs/commitment.md", gt=0, le=0.5
-    )
     reliability: float = quantity(
         0.45, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
@@ -67,6 +57,14 @@ class CommitmentConfig(Settings):
     max_dwell: float = quantity(
         0.2, "s", "a target must be likely for this long at reliability 1, at 0 not at all",
         "guess", ge=0,
+    )  # fmt: skip
+    strange_margin: float = quantity(
+        0.15, "1", "the threshold is this much higher in a movement like none that was learned "
+        "from, up to 0.98", "docs/commitment.md", ge=0, lt=1,
+    )  # fmt: skip
+    full_familiarity: float = quantity(
+        0.3, "1", "from this familiarity on the threshold is not raised",
+        "nine in ten real reaches have more", gt=0, le=1,
     )  # fmt: skip
     hysteresis: float = quantity(
         0.25, "1", "a target is kept until its confidence falls this much below the threshold",
@@ -92,25 +90,21 @@ class CommitmentConfig(Settings):
         gt=0,
     )  # fmt: skip
 
-    @model_validator(mode="before")
-    @classmethod
-    def _reliability_rules(cls, values: Any) -> Any:
-        """Let a ``reliability`` that the user sets rule where no ``max_wrong`` is set."""
-        if isinstance(values, Mapping) and "reliability" in values and "max_wrong" not in values:
-            return {**values, "max_wrong": None}
-        return values
-
     def threshold(self, familiarity: float | None = None) -> float:
         """Return the confidence from which a target is committed to.
 
         Parameters
         ----------
         familiarity : float or None
-            Of the movement, from 0 to 1; None: not known.
+            Of the movement, from 0 to 1; None: not known, or of no meaning for the estimator.
         """
-        if self.max_wrong is not None and familiarity is not None:
-            return default_risk().threshold(self.max_wrong, familiarity)
-        return self.min_threshold + self.reliability * (self.max_threshold - self.min_threshold)
+        threshold = self.min_threshold + self.reliability * (
+            self.max_threshold - self.min_threshold
+        )
+        if familiarity is None:
+            return threshold
+        strangeness = 1.0 - min(1.0, familiarity / self.full_familiarity)
+        return max(threshold, min(threshold + self.strange_margin * strangeness, MAX_RAISED))
 
     @property
     def dwell(self) -> float:

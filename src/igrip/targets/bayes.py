@@ -20,7 +20,6 @@ import numpy as np
 from igrip.compiled import kernel
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
-from igrip.risk import FULL_FAMILIARITY
 from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
 from igrip.targets.learned.familiarity import Familiarity
 from igrip.targets.learned.features import features_of
@@ -32,9 +31,6 @@ REST_TIME_CONSTANT = 1.0  # s; decay of the posterior of a resting hand; guess
 MIN_NONE_AT_REST = 0.4  # probability of none of a resting hand: it may be about to reach; guess
 MAX_REST_STEP = 0.1  # s; a longer gap between two samples counts as this, since it was not observed
 MAX_NONE = 0.97  # a moving hand has no target if none is likelier than this
-MIN_TRUST = 0.8
-"""Share of the scorer's log-odds that counts in a movement like none it learned from: it was never
-confirmed on such (docs/estimators.md)."""
 FLOOR = 1e-6  # probability that all objects keep together: none is ever ruled out for good
 
 
@@ -119,9 +115,8 @@ class Bayes:
         observed = moving or (motion.reach.may_move and not arrived)
         if observed and objects:
             features = features_of(motion.reach, geometry.cylinders())
-            familiarity = self._familiarity.update(motion.t, features.shared)
-            trust = MIN_TRUST + (1.0 - MIN_TRUST) * min(1.0, familiarity / FULL_FAMILIARITY)
-            scores = trust * self._scorer.score(features)
+            self._familiarity.update(motion.t, features.shared)
+            scores = self._scorer.score(features)
             keep = math.exp(-passed / self._scorer.memory)
             pool(posterior, scores, keep, -math.expm1(-SWITCH_RATE * passed))
         elif not observed:
