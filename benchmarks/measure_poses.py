@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 import igrip
 from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh
-from igrip.lab.rendering.scene import RenderedScene, strewn_scene
+from igrip.lab.rendering.scene import RenderedScene, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.objects.model import ObjectModel
 from igrip.perception.poses.depth import DepthPoses
@@ -44,7 +44,7 @@ def main() -> None:
     parser.add_argument("--apart", type=float, default=0.03, help="least gap [m]")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
-    layout = {"apart": arguments.apart}
+    layout = {"min_gap": arguments.apart}
     if arguments.apart < 0.03:  # heap them up
         layout.update(width=0.3, depth=0.25)
     catalog = igrip.load_objects("ycb")
@@ -63,7 +63,7 @@ def main() -> None:
         if arguments.distractors:
             names += [str(random.choice(OTHERS))]
         try:
-            scene = strewn_scene(catalog, names, random, LayoutConfig(**layout))
+            scene = random_scene(catalog, names, random, LayoutConfig(**layout))
         except ValueError:
             continue  # they did not fit
         estimator.close()
@@ -134,7 +134,7 @@ def strangers(catalog: Catalog, estimator: DepthPoses, scenes: int, first: int) 
         random = np.random.default_rng(seed)
         names = [str(name) for name in random.choice(OTHERS, 3, replace=False)]
         try:
-            scene = strewn_scene(catalog, names, random)
+            scene = random_scene(catalog, names, random)
         except ValueError:
             continue
         estimator.close()

@@ -27,7 +27,7 @@ def peers(catalog: Catalog, recorded: Recorded) -> dict[str, Work]:
     if contestants:
         embree = Embree(recorded.objects)
         rays = [embree.prepare(frame) if frame else None for frame in recorded.rays]
-        whole = EmbreeNumpy(recorded.objects, PAPER.rays.rays, 0.3, 10)
+        whole = EmbreeNumpy(recorded.objects, PAPER.rays.rays_per_cone, 0.3, 10)
         windows = windows_of(catalog, recorded.observations)
         contestants["embreex, whether rays hit"] = lambda k: (
             embree.cast(frame, "OCCLUDED") if (frame := rays[k]) else None

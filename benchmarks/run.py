@@ -49,7 +49,7 @@ def growth(catalog: Catalog, frames: int, turn: int) -> dict[str, list[dict[str,
     def case(
         source: Catalog, rays: int = 36, models: Sequence[str] = PAPER_OBJECTS
     ) -> tuple[Estimator, list[Observation]]:
-        config = Config(targets="paper", rays=RayConfig(rays=rays))
+        config = Config(targets="paper", rays=RayConfig(rays_per_cone=rays))
         return Estimator(source, config), scenes.frames(WARM_UP + frames, models=models)
 
     with tempfile.TemporaryDirectory() as folder:

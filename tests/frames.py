@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from igrip.geometry.cylinder import Cylinders
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 
@@ -23,7 +24,7 @@ def geometry(count=3, **arrays):
     fields |= {name: np.asarray(value) for name, value in arrays.items()}
     fields["spread"] = float(fields["spread"])
     pair = np.stack([fields.pop("surface"), fields.pop("future_surface")])
-    rows = np.full((count, 11), np.nan)
+    unknown = Cylinders(np.full_like(Cylinders.zeros(count).rows, np.nan))
     return Geometry(
-        objects=list(range(count)), surfaces=lambda: pair, cylinders=lambda: rows, **fields
+        objects=list(range(count)), surfaces=lambda: pair, cylinders=lambda: unknown, **fields
     )

@@ -16,8 +16,8 @@ def evidence(t, confidence=None, **changed):
     best = max(confidence, key=confidence.get) if confidence else None
     fields = {
         "t": t, "measured": t, "position": (0.0, 0.0, 0.0), "trusted": True, "moving": True,
-        "target": best, "grip": "palmar", "confidence": confidence, "seen": set(confidence),
-        "gaps": {"cup": 0.3, "jug": 0.5},
+        "target": best, "grip": "palmar", "confidence": confidence,
+        "trusted_objects": set(confidence), "distances": {"cup": 0.3, "jug": 0.5},
     }  # fmt: skip
     return Evidence(**(fields | changed))
 
@@ -33,7 +33,7 @@ def committed(committer, t=0.0):
 
 def holding(committer):
     t = committed(committer) + 1.0 / 30.0
-    lease = committer.update(evidence(t, moving=False, gaps={"cup": 0.04, "jug": 0.4}))
+    lease = committer.update(evidence(t, moving=False, distances={"cup": 0.04, "jug": 0.4}))
     assert committer.state == "holding"
     assert lease is not None
     return t
@@ -103,7 +103,7 @@ def test_an_old_measurement_gives_no_lease(late):
 def test_a_target_that_is_not_seen_pauses_the_lease():
     committer = Committer(PLAIN)
     t = committed(committer)
-    assert committer.update(evidence(t + 0.03, seen={"jug"})) is None
+    assert committer.update(evidence(t + 0.03, trusted_objects={"jug"})) is None
     assert committer.state == "committed"
     assert committer.update(evidence(t + 0.06)) is not None
 
@@ -114,10 +114,10 @@ def test_a_hand_that_stops_at_its_target_holds_it_and_takes_no_other():
     other = {"cup": 0.01, "jug": 0.98}
     for k in range(1, 30):
         near = {"cup": 0.05, "jug": 0.02}
-        lease = committer.update(evidence(t + k / 30.0, other, gaps=near))
+        lease = committer.update(evidence(t + k / 30.0, other, distances=near))
         assert lease.target == "cup"
     far = {"cup": 0.25, "jug": 0.02}
-    assert committer.update(evidence(t + 1.1, other, gaps=far)) is None
+    assert committer.update(evidence(t + 1.1, other, distances=far)) is None
     assert committer.state != "holding"
 
 
@@ -131,10 +131,12 @@ def test_a_hand_that_stops_elsewhere_is_open_again():
 def test_what_is_hidden_in_the_hand_is_not_taken_for_left():
     committer = Committer(PLAIN)
     t = holding(committer)
-    away = {"position": (0.3, 0.0, 0.0), "seen": set()}
-    assert committer.update(evidence(t + 0.1, gaps={"cup": 0.3}, **away)) is None
+    away = {"position": (0.3, 0.0, 0.0), "trusted_objects": set()}
+    assert committer.update(evidence(t + 0.1, distances={"cup": 0.3}, **away)) is None
     assert committer.state == "holding"
-    committer.update(evidence(t + 2.5, gaps={}, **away))  # it is given up, and the hand elsewhere
+    committer.update(
+        evidence(t + 2.5, distances={}, **away)
+    )  # it is given up, and the hand elsewhere
     assert committer.state == "open"
 
 
@@ -142,9 +144,9 @@ def test_a_long_pause_while_holding_ends_the_lease_for_good():
     committer = Committer(PLAIN)
     t = holding(committer)
     near = {"cup": 0.04}
-    assert committer.update(evidence(t + 0.2, moving=False, gaps=near)) is not None
-    assert committer.update(evidence(t + 0.9, moving=False, gaps=near)) is None
-    assert committer.update(evidence(t + 1.0, moving=False, gaps=near)) is None
+    assert committer.update(evidence(t + 0.2, moving=False, distances=near)) is not None
+    assert committer.update(evidence(t + 0.9, moving=False, distances=near)) is None
+    assert committer.update(evidence(t + 1.0, moving=False, distances=near)) is None
     assert committer.state == "holding"
 
 
@@ -153,7 +155,7 @@ def test_the_device_says_that_it_has_opened():
     t = holding(committer)
     committer.notify_released()
     assert committer.state == "open"
-    assert committer.update(evidence(t + 0.03, moving=False, gaps={"cup": 0.04})) is None
+    assert committer.update(evidence(t + 0.03, moving=False, distances={"cup": 0.04})) is None
 
 
 def test_a_veto_ends_it_until_the_hand_has_rested():
@@ -186,12 +188,12 @@ def test_each_reach_is_confirmed_anew():
     committer.update(evidence(0.0))
     committer.confirm()
     t = committed(committer)
-    committer.update(evidence(t + 0.03, moving=False, gaps={"cup": 0.04, "jug": 0.4}))
+    committer.update(evidence(t + 0.03, moving=False, distances={"cup": 0.04, "jug": 0.4}))
     assert committer.state == "holding"
     other = {"cup": 0.01, "jug": 0.98}
     for k in range(60):
         gaps = {"cup": 0.4, "jug": 0.1}
-        assert committer.update(evidence(t + 0.06 + k / 30.0, other, gaps=gaps)) is None
+        assert committer.update(evidence(t + 0.06 + k / 30.0, other, distances=gaps)) is None
 
 
 def test_a_confirmation_spares_the_dwell_and_can_be_asked_for():

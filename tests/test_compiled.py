@@ -15,6 +15,10 @@ ROOT = Path(igrip.__file__).parent
 SOURCES = [str(path.relative_to(ROOT)) for path in compiled.kernel_sources(ROOT)]
 
 
+def test_every_file_with_a_type_that_kernels_read_is_part_of_the_key():
+    assert {"geometry/frame_arrays.py", "geometry/packed_models.py"} <= set(SOURCES)
+
+
 def test_every_file_with_a_kernel_is_part_of_the_key():
     """numba would not notice an edited callee in another file."""
     with_kernels = {
@@ -54,10 +58,11 @@ def test_kernels_are_exact_and_release_the_lock():
     from igrip.geometry import contact, kernel
     from igrip.mesh import nearest, ray
     from igrip.motion.quadratic_fit import fit_quadratic
+    from igrip.motion.reach_kernel import update_reach
 
     for function in (
-        kernel.measure, contact.approach, ray.cast_ray, ray.meets_mesh, nearest.nearest,
-        fit_quadratic,
+        kernel._measure, contact._approach, update_reach, ray.cast_ray, ray.meets_mesh,
+        nearest.nearest, fit_quadratic,
     ):  # fmt: skip
         options = function.targetoptions
         assert options["nogil"]

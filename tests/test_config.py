@@ -72,8 +72,8 @@ def test_the_numbers_of_the_specification():
     config = Config()
     assert config.motion.window == 20
     assert (config.motion.future_points, config.motion.horizon) == (10, 0.3)
-    assert config.grip.pinch_from == 0.85
-    assert (config.gating.hand_limit, config.gating.object_limit) == (0.3, 2.0)
+    assert config.grip.pinch_threshold == 0.85
+    assert (config.gating.max_hand_age, config.gating.max_object_age) == (0.3, 2.0)
     assert config.gating.restart_after == 0.3
     assert config.cues.distance == "vertex"
     assert 1.0 <= config.motion.filter.min_cutoff <= 1.5

@@ -525,10 +525,10 @@ def test_an_object_that_is_seen_again_is_not_forgotten_for_a_new_one(shapes, ord
 
 
 def test_one_object_is_measured_against_a_fixed_length(shapes):
-    """With one object there is no distance between two: cues.single_spread stands for it."""
+    """With one object there is no distance between two: cues.default_spread stands for it."""
     scores = []
     for spread in (0.5, 1.0):
-        told = run(stream(1.0, 10), shapes, Config(cues={"single_spread": spread}))[-1]
+        told = run(stream(1.0, 10), shapes, Config(cues={"default_spread": spread}))[-1]
         scores.append(told.scores["box"]["distance"])
     assert 1.0 - scores[0] == pytest.approx(2.0 * (1.0 - scores[1]))
 

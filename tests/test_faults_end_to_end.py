@@ -123,7 +123,7 @@ def test_an_unassisted_hand_never_gets_a_lease(ycb):
 
 
 @pytest.mark.parametrize(
-    "blind", [{"jump_distance": 1e6}, {"frozen_after": 1e6}, {"object_limit": 1e6}]
+    "blind", [{"jump_distance": 1e6}, {"frozen_after": 1e6}, {"max_object_age": 1e6}]
 )
 def test_the_observer_sees_what_health_is_for(ycb, blind):
     """Without one of its rules, leases break promises, and the observer says so."""
@@ -132,7 +132,7 @@ def test_the_observer_sees_what_health_is_for(ycb, blind):
     estimator, observer = igrip.Estimator(ycb, config), Observer(jumps=True)
     for message in inject(person(ycb, 300.0, 3), faults, seed=3):
         plain = json.loads(message.to_json())
-        if "object_limit" in blind and message.t > 1.0:
+        if "max_object_age" in blind and message.t > 1.0:
             plain["objects"] = {}  # told once, and never again
         observer.sent(plain)
         for intention in estimator.update(igrip.Observation(**plain)):

@@ -62,7 +62,7 @@ def test_a_third_party_cue(registered, shapes):
     before = CUES.names()
 
     def nearness(motion, geometry, config: CueConfig):
-        return np.exp(-geometry.surface / config.single_spread)
+        return np.exp(-geometry.surface / config.default_spread)
 
     made = Cue("nearness", 0, nearness)
     registered(CUES, "nearness", made)
@@ -166,7 +166,7 @@ def test_a_hand_that_was_forgotten_gets_a_new_instance(registered, shapes):
 def test_a_third_party_grip(registered, shapes):
     class Either:
         def __init__(self, config):
-            self.pinch_from = config.pinch_from
+            self.pinch_threshold = config.pinch_threshold
 
         def select(self, belief, geometry, motion):
             return Grip("tripod", {"tripod": 0.7, "pinch": 0.3})

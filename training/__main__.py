@@ -1,4 +1,4 @@
-"""Train what ships: the scorer of ``bayes``, and the library of the field's methods.
+"""Train what ships: the scorer of ``bayes``, the library of the field's methods, the grip.
 
 Example: python -m training ../shared/data/wispinski2021 --check
 """
@@ -27,7 +27,7 @@ from igrip.targets.learned.network import read_scorer
 from igrip.targets.learned.reach_library import LIBRARY
 from training.grip import approaches_of, fit_grip, write_grip
 from training.learn import fit_scorer, inputs_of, probabilities, write_scorer
-from training.library import Shown, demonstrated, fit_library, write_library
+from training.library import Demonstration, demonstrated, fit_library, write_library
 from training.moments import Moments, Recording, follow, joined, moments_of, thinned
 from training.people import EACH, FOLDS, LEARNED_FROM, real_recordings, record
 from training.worlds import TRIALS, simulate_person
@@ -36,7 +36,7 @@ SEED = 20260
 PERSONS = 720
 MEMORY = 0.02  # s; docs/estimators.md has the alternatives
 REAL = 2.0  # weight of all real moments, that of all simulated ones being 1
-SHOWN = 3  # every so manyth reach is demonstrated to the field's methods
+EVERY = 3  # every third reach is a demonstration for the field's methods
 
 Array = NDArray[np.float64]
 
@@ -45,22 +45,22 @@ class Part(NamedTuple):
     """What is learned from some recordings: for the scorer, the field's methods, the grip."""
 
     moments: Moments
-    shown: list[Shown]
+    demonstrations: list[Demonstration]
     approaches: list[Array]
 
 
 def part_of(recordings: Sequence[Recording]) -> Part:
     """Return what is learned from a few recordings."""
-    moments, shown, approaches = [], [], []
+    moments, demonstrations, approaches = [], [], []
     for k, recording in enumerate(recordings):
         frames = follow(recording)
         moments.append(moments_of(recording, frames))
         if recording.kind in ("near", "far", "reach") and not recording.absent:
-            if k % SHOWN == 0 and (one := demonstrated(recording, frames)) is not None:
-                shown.append(one)
+            if k % EVERY == 0 and (one := demonstrated(recording, frames)) is not None:
+                demonstrations.append(one)
             if recording.grip is not None:
                 approaches.append(approaches_of(recording, frames))
-    return Part(joined(moments), shown, approaches)
+    return Part(joined(moments), demonstrations, approaches)
 
 
 def real_part(jobs: Sequence[tuple[RecordedReach, int]]) -> Part:
@@ -78,19 +78,21 @@ def gather(tables: Path, persons: int, folds: Sequence[int] = LEARNED_FROM) -> P
     jobs = list(real_recordings(tables, SEED, folds))
     groups = [jobs[k : k + EACH] for k in range(0, len(jobs), EACH)]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
-        real = _told(pool.map(real_part, groups), len(groups), "groups of real reaches")
-        simulated = _told(pool.map(simulated_part, range(persons)), persons, "simulated people")
+        real = _collected(pool.map(real_part, groups), len(groups), "groups of real reaches")
+        simulated = _collected(
+            pool.map(simulated_part, range(persons)), persons, "simulated people"
+        )
     moments = [thinned(joined([p.moments for p in parts]), SEED) for parts in (real, simulated)]
     moments[0].weight[:] *= REAL * moments[1].weight.sum() / moments[0].weight.sum()
     every = [*real, *simulated]
     return Part(
-        joined(moments), [x for part in every for x in part.shown],
+        joined(moments), [x for part in every for x in part.demonstrations],
         [x for part in every for x in part.approaches],
     )  # fmt: skip
 
 
-def _told(parts: Any, count: int, what: str) -> list[Part]:
-    """Collect parts, saying how far it is."""
+def _collected(parts: Any, count: int, what: str) -> list[Part]:
+    """Collect parts and print the progress."""
     done = []
     for part in parts:
         done.append(part)
@@ -100,7 +102,7 @@ def _told(parts: Any, count: int, what: str) -> list[Part]:
 
 
 def provenance(tables: Path, persons: int) -> dict[str, Any]:
-    """Say what is learned from."""
+    """Return what is learned from."""
     files = sorted(tables.glob("*.parquet"))
     return {
         "made_by": "python -m training (docs/estimators.md)",
@@ -125,12 +127,13 @@ def main() -> int:
     )
     asked = parser.parse_args()
     began = time.monotonic()
-    moments, shown, approaches = gather(asked.reaches, asked.persons)
+    moments, demonstrations, approaches = gather(asked.reaches, asked.persons)
     scorer, loss = fit_scorer(moments, MEMORY, SEED)
-    learned, grip = fit_library(shown, SEED), fit_grip(approaches)
+    learned, grip = fit_library(demonstrations, SEED), fit_grip(approaches)
     passed = time.monotonic() - began
     print(
-        f"{len(moments.target)} moments, loss {loss:.4f}; {len(shown)} reaches; {passed:.0f} s",
+        f"{len(moments.target)} moments, loss {loss:.4f}; {len(demonstrations)} reaches; "
+        f"{passed:.0f} s",
         file=sys.stderr,
     )
     if asked.check:
@@ -144,10 +147,10 @@ def main() -> int:
         apart = max(_apart(learned, {key: there[key] for key in learned}), _apart(grip, grips))
         print(f"library and grip: largest difference of a number {apart:.3g}")
         return int(not (off <= 1e-6 and apart <= 1e-6))
-    told = provenance(asked.reaches, asked.persons)
-    write_scorer(replace(scorer, provenance=told | {"loss": round(loss, 4)}), WEIGHTS)
-    write_library({**learned, "provenance": told}, LIBRARY)
-    write_grip(grip, told, CONTACT)
+    source = provenance(asked.reaches, asked.persons)
+    write_scorer(replace(scorer, provenance=source | {"loss": round(loss, 4)}), WEIGHTS)
+    write_library({**learned, "provenance": source}, LIBRARY)
+    write_grip(grip, source, CONTACT)
     return 0
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from igrip.io.importers import RecordedReach
 from igrip.io.resampling import ImportOptions, resample
 from igrip.targets.learned.features import LOCAL
-from igrip.targets.learned.network import BOUND
+from igrip.targets.learned.network import MAX_INPUT
 from training.__main__ import PERSONS, SEED, gather
 from training.learn import Network, fit, inputs_of, standardised
 from training.logit import Terms, fit_logit, linear, logit_scores, quadratic
@@ -34,8 +34,8 @@ NOISE = 0.004  # m
 MORE = 40  # simulated people
 
 
-def told(job: tuple[RecordedReach, int]) -> tuple[str, Moments]:
-    """Return a real reach as the evaluation tells it."""
+def validation_reach(job: tuple[RecordedReach, int]) -> tuple[str, Moments]:
+    """Return a real reach as the evaluation replays it."""
     reach, seed = job
     options = ImportOptions(rate=30.0, noise=NOISE, seed=seed)
     recording = Recording(
@@ -90,7 +90,9 @@ def main() -> None:
     folds = [fold for fold in LEARNED_FROM if fold != VALIDATION]
     moments = gather(tables, persons, folds).moments
     with ProcessPoolExecutor() as pool:
-        judged = list(pool.map(told, real_recordings(tables, 3, [VALIDATION]), chunksize=40))
+        judged = list(
+            pool.map(validation_reach, real_recordings(tables, 3, [VALIDATION]), chunksize=40)
+        )
         for part in pool.map(simulated, range(PERSONS, PERSONS + MORE)):
             judged += part
     sets = {
@@ -123,7 +125,7 @@ def _logit(mean: Array, scale: Array, weights: Array, terms: Terms, moments: Mom
 
 
 def _network(mean: Array, scale: Array, network: Network, moments: Moments) -> Array:
-    z = np.clip((inputs_of(moments) - mean) / scale, -BOUND, BOUND)
+    z = np.clip((inputs_of(moments) - mean) / scale, -MAX_INPUT, MAX_INPUT)
     units = np.tanh(z @ network.hidden + network.bias)
     scores: Array = units @ network.out_weights + network.out_bias[0]
     return scores

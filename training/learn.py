@@ -1,4 +1,4 @@
-"""Fits the scorer: softmax over the objects and none, by stochastic gradient.
+"""Fit of the scorer: softmax over the objects and none, by stochastic gradient.
 
 The weights are kept on a decimal grid at every step. Differences in the last digits between
 machines (other instructions, other orders of summation) are rounded away before they can grow, so
@@ -16,23 +16,31 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.targets.learned.network import ABSURD, BOUND, FORMAT, INPUTS, Scorer, arrange
-from training.moments import Moments
+from igrip.targets.learned.network import (
+    FORMAT,
+    INPUTS,
+    MAX_DEFICIT,
+    MAX_INPUT,
+    Layers,
+    Scorer,
+    arrange_inputs,
+)
+from training.moments import Moments, selected
 
 Array = NDArray[np.float64]
 DIGITS = 6  # of the grid
 UNITS = 48
-WHICH, WHETHER = 2, 2  # networks for each question
+TARGET_NETWORKS, REACH_NETWORKS = 2, 2  # of each head
 PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
-FIRST, SECOND = 0.9, 0.999  # memory of the gradient and of its square
+BETA_1, BETA_2 = 0.9, 0.999  # decay of the averages of the gradient and of its square
 
 
 def inputs_of(moments: Moments) -> Array:
-    """Return what the network sees, a row for each frame × object."""
+    """Return the inputs of the network, a row for each frame × object."""
     inputs = np.empty((len(moments.local), len(INPUTS)))
     edges = np.append(np.flatnonzero(np.diff(moments.frame, prepend=-1)), len(moments.frame))
     for n, (first, last) in enumerate(pairwise(edges.tolist())):
-        arrange(moments.local[first:last], moments.shared[n], inputs[first:last])
+        arrange_inputs(moments.local[first:last], moments.shared[n], inputs[first:last])
     return inputs
 
 
@@ -40,7 +48,7 @@ def standardised(inputs: Array) -> tuple[Array, Array, Array]:
     """Return the inputs as the network takes them, and their mean and scale."""
     mean = np.round(inputs.mean(axis=0), DIGITS)
     scale = np.round(np.maximum(inputs.std(axis=0), 1e-3), DIGITS)
-    return np.clip((inputs - mean) / scale, -BOUND, BOUND), mean, scale
+    return np.clip((inputs - mean) / scale, -MAX_INPUT, MAX_INPUT), mean, scale
 
 
 class Network(NamedTuple):
@@ -53,48 +61,38 @@ class Network(NamedTuple):
 
 
 def fit_scorer(moments: Moments, memory: float, seed: int) -> tuple[Scorer, float]:
-    """Return the scorer and the mean loss of its part that tells whether.
+    """Return the scorer and the mean loss of its reach-detection head.
 
-    Networks for *which* learn from frames with a target, between the objects; those for *whether*
-    from all, against none. Several that began elsewhere are averaged: each errs in its own way;
+    Networks of the target head learn from frames with a target, between the objects; those of the
+    reach-detection head from all frames, against none. Several that began elsewhere are averaged:
     their mean errs less (Hansen & Salamon 1990, IEEE Trans. PAMI 12:993-1001).
     """
     inputs, mean, scale = standardised(inputs_of(moments))
-    reached = chosen(moments, moments.target >= 0)
-    rows = (moments.target >= 0)[moments.frame]
-    which = [fit(inputs[rows], reached, seed + k, none=False)[0] for k in range(WHICH)]
-    every = [fit(inputs, moments, seed + WHICH + k, none=True) for k in range(WHETHER)]
-    whether = [network for network, _ in every]
-    return joined_networks(which, whether, mean, scale, memory), sum(x for _, x in every) / WHETHER
+    reaching = moments.target >= 0
+    reaches, rows = selected(moments, reaching), reaching[moments.frame]
+    target = [fit(inputs[rows], reaches, seed + k, none=False)[0] for k in range(TARGET_NETWORKS)]
+    fits = [
+        fit(inputs, moments, seed + TARGET_NETWORKS + k, none=True) for k in range(REACH_NETWORKS)
+    ]
+    layers = joined_networks(target, [network for network, _ in fits], mean, scale)
+    return Scorer(layers, memory, {}), sum(loss for _, loss in fits) / REACH_NETWORKS
 
 
 def joined_networks(
-    which: Sequence[Network], whether: Sequence[Network], mean: Array, scale: Array, memory: float
-) -> Scorer:
-    """Return networks side by side, as one."""
+    target: Sequence[Network], reach: Sequence[Network], mean: Array, scale: Array
+) -> Layers:
+    """Return the networks of both heads side by side, as one."""
     columns = [
-        np.concatenate([np.round(n.out_weights / len(part), DIGITS) if part is own else
-                        np.zeros_like(n.out_weights) for part in (which, whether) for n in part])
-        for own in (which, whether)
+        np.concatenate([np.round(n.out_weights / len(head), DIGITS) if head is own else
+                        np.zeros_like(n.out_weights) for head in (target, reach) for n in head])
+        for own in (target, reach)
     ]  # fmt: skip
-    biases = [np.mean([n.out_bias[0] for n in part]) for part in (which, whether)]
-    both = [*which, *whether]
-    return Scorer(
+    biases = [np.mean([n.out_bias[0] for n in head]) for head in (target, reach)]
+    both = [*target, *reach]
+    return Layers(
         mean, scale, np.concatenate([n.hidden for n in both], axis=1),
         np.concatenate([n.bias for n in both]), np.stack(columns, axis=1),
-        np.round(np.array(biases), DIGITS), memory, provenance={},
-    )  # fmt: skip
-
-
-def chosen(moments: Moments, keep: NDArray[np.bool_]) -> Moments:
-    """Return some of the frames."""
-    rows = keep[moments.frame]
-    frame, place = np.cumsum(keep) - 1, np.cumsum(rows) - 1
-    target = moments.target[keep]
-    return Moments(
-        moments.local[rows], frame[moments.frame[rows]], moments.shared[keep],
-        np.where(target < 0, -1, place[target]), moments.weight[keep], moments.trial[keep],
-        moments.part[keep],
+        np.round(np.array(biases), DIGITS),
     )  # fmt: skip
 
 
@@ -114,7 +112,7 @@ def fit(
     seed : int
         Of the first weights and of the order of the frames.
     none : bool
-        Whether none of the objects is an answer, too.
+        Whether none of the objects is a class, too.
     units : int
         Of the hidden layer.
     """
@@ -127,7 +125,7 @@ def fit(
         np.zeros(1),
     ]
     weights = [np.round(w, DIGITS) for w in weights]
-    moved = [(np.zeros_like(w), np.zeros_like(w)) for w in weights]
+    averages = [(np.zeros_like(w), np.zeros_like(w)) for w in weights]
     step, steps = 0, PASSES * -(-len(moments.target) // BATCH)
     for _ in range(PASSES):
         loss = 0.0
@@ -137,12 +135,12 @@ def fit(
             step += 1
             rate = RATE * 0.5 * (1.0 + np.cos(np.pi * step / steps))
             for k, gradient in enumerate(gradients):
-                one, two = moved[k]
+                one, two = averages[k]
                 gradient = gradient + DECAY * weights[k]
-                one += (1.0 - FIRST) * (gradient - one)
-                two += (1.0 - SECOND) * (gradient**2 - two)
-                slope = one / (1.0 - FIRST**step)
-                size = np.sqrt(two / (1.0 - SECOND**step)) + 1e-8
+                one += (1.0 - BETA_1) * (gradient - one)
+                two += (1.0 - BETA_2) * (gradient**2 - two)
+                slope = one / (1.0 - BETA_1**step)
+                size = np.sqrt(two / (1.0 - BETA_2**step)) + 1e-8
                 weights[k] = np.round(weights[k] - rate * slope / size, DIGITS)
     return Network(*weights), loss / float(moments.weight.sum())
 
@@ -172,9 +170,9 @@ def _gradients(
     hidden, bias, out_weights, out_bias = weights
     units = np.tanh(inputs @ hidden + bias)
     scores = units @ out_weights + out_bias
-    likely = np.exp(np.clip(scores, -50.0, 50.0))
-    total = float(none) + np.bincount(frame, weights=likely, minlength=len(target))
-    off = likely / total[frame]
+    likelihood = np.exp(np.clip(scores, -50.0, 50.0))
+    total = float(none) + np.bincount(frame, weights=likelihood, minlength=len(target))
+    off = likelihood / total[frame]
     hit = target[target >= 0]
     off[hit] -= 1.0
     off *= weight[frame] / weight.sum()
@@ -185,39 +183,43 @@ def _gradients(
 
 def scores_of(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
     """Return the log-odds of each row against none, as ``network.evaluate``."""
-    z = np.clip((inputs - scorer.mean) / scorer.scale, -BOUND, BOUND)
-    outputs = np.tanh(z @ scorer.hidden + scorer.bias) @ scorer.out_weights + scorer.out_bias
-    which, whether = outputs.T
-    most = np.full(frame[-1] + 1 if len(frame) else 0, -np.inf)
-    np.maximum.at(most, frame, whether)
-    which = which + np.minimum(0.0, whether - most[frame] + ABSURD)
-    logs = [np.log(np.bincount(frame, weights=np.exp(np.clip(x, -50.0, 50.0)))) for x in
-            (which, whether)]  # fmt: skip
-    scores: Array = which - logs[0][frame] + logs[1][frame]
+    layers = scorer.layers
+    z = np.clip((inputs - layers.mean) / layers.scale, -MAX_INPUT, MAX_INPUT)
+    outputs = np.tanh(z @ layers.hidden + layers.bias) @ layers.out_weights + layers.out_bias
+    target, reach = outputs.T
+    max_reach = np.full(frame[-1] + 1 if len(frame) else 0, -np.inf)
+    np.maximum.at(max_reach, frame, reach)
+    target = target + np.minimum(0.0, reach - max_reach[frame] + MAX_DEFICIT)
+    target_log, reach_log = (
+        np.log(np.bincount(frame, weights=np.exp(np.clip(head, -50.0, 50.0))))
+        for head in (target, reach)
+    )
+    scores: Array = target - target_log[frame] + reach_log[frame]
     return scores
 
 
 def probabilities(scorer: Scorer, inputs: Array, frame: NDArray[np.int64]) -> Array:
     """Return the probability of each object among those of its frame and none, shape (r,)."""
-    likely: Array = np.exp(np.clip(scores_of(scorer, inputs, frame), -50.0, 50.0))
-    return likely / (1.0 + np.bincount(frame, weights=likely))[frame]
+    odds: Array = np.exp(np.clip(scores_of(scorer, inputs, frame), -50.0, 50.0))
+    return odds / (1.0 + np.bincount(frame, weights=odds))[frame]
 
 
 def write_scorer(scorer: Scorer, path: Path) -> None:
-    """Write the weights as text that can be read and compared line by line."""
+    """Write the weights as JSON that can be read and compared line by line."""
+    layers = scorer.layers
     head = {"format": FORMAT, "provenance": scorer.provenance, "memory_s": scorer.memory}
     rows = [
         json.dumps({"mean": mean, "scale": scale, "hidden": hidden})
         for mean, scale, hidden in zip(
-            scorer.mean.tolist(), scorer.scale.tolist(), scorer.hidden.tolist(), strict=True
+            layers.mean.tolist(), layers.scale.tolist(), layers.hidden.tolist(), strict=True
         )
     ]
     inputs = ",\n".join(f'  "{name}": {row}' for name, row in zip(INPUTS, rows, strict=True))
     path.write_text(
         f"{json.dumps(head, indent=1)[:-2]},\n"
         f' "inputs": {{\n{inputs}\n }},\n'
-        f' "bias": {json.dumps(scorer.bias.tolist())},\n'
-        f' "out_weights": {json.dumps(scorer.out_weights.tolist())},\n'
-        f' "out_bias": {json.dumps(scorer.out_bias.tolist())}\n}}\n',
+        f' "bias": {json.dumps(layers.bias.tolist())},\n'
+        f' "out_weights": {json.dumps(layers.out_weights.tolist())},\n'
+        f' "out_bias": {json.dumps(layers.out_bias.tolist())}\n}}\n',
         encoding="utf-8",
     )

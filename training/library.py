@@ -1,4 +1,4 @@
-"""Fits the field's methods to the same people: Gaussians, a mixture, templates."""
+"""Fit of the field's methods to the same people: Gaussians, a mixture, templates."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.mixture import GaussianMixture
 
-from igrip.targets.learned.reach_library import FORMAT, Follower
+from igrip.targets.learned.reach_library import FORMAT, ReachFrames
 from training.moments import Frames, Recording
 
 Array = NDArray[np.float64]
-STEP, LONGEST = 1.0 / 30.0, 2.0  # s
+STEP, MAX_DURATION = 1.0 / 30.0, 2.0  # s
 COMPONENTS = 12
 TEMPLATES = 160
 DIGITS = 6
 
 
 @dataclass(frozen=True)
-class Shown:
+class Demonstration:
     """One reach as it was demonstrated, from onset to end.
 
     Attributes
@@ -42,32 +42,32 @@ class Shown:
     distance: float
 
 
-def demonstrated(recording: Recording, frames: Frames) -> Shown | None:
+def demonstrated(recording: Recording, frames: Frames) -> Demonstration | None:
     """Return a reach in its own frame; None where it was not seen from its beginning."""
-    follower = Follower()
+    reaches = ReachFrames()
     elapsed: list[float] = []
     place: list[Array] = []
     speed: list[float] = []
     distance = 0.0
     for motion, geometry in frames:
-        seen = follower.update(motion, geometry)
+        reach = reaches.update(motion, geometry)
         ids = [placed.id for placed in geometry.objects]
         within = recording.onset - 0.2 <= motion.t <= recording.end
-        if seen is None or not within or recording.target not in ids:
+        if reach is None or not within or recording.target not in ids:
             continue
-        if elapsed and seen.elapsed < elapsed[-1]:  # it stopped on the way: begin anew
+        if elapsed and reach.elapsed < elapsed[-1]:  # it stopped on the way: begin anew
             elapsed, place, speed = [], [], []
-        elapsed.append(seen.elapsed)
-        place.append(seen.place[ids.index(str(recording.target))])
-        now = motion.reach.now
-        speed.append(float(np.linalg.norm(now[3:6])))
-        distance = float(np.linalg.norm(now[:3] - motion.reach.start))
+        elapsed.append(reach.elapsed)
+        place.append(reach.place[ids.index(str(recording.target))])
+        position, velocity, _ = motion.reach.now
+        speed.append(float(np.linalg.norm(velocity)))
+        distance = float(np.linalg.norm(position - motion.reach.start))
     if len(elapsed) < 5:
         return None
-    return Shown(np.array(elapsed), np.array(place), np.array(speed), distance)
+    return Demonstration(np.array(elapsed), np.array(place), np.array(speed), distance)
 
 
-def fit_library(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
+def fit_library(shown: Sequence[Demonstration], seed: int) -> dict[str, Any]:
     """Return what the three methods learn."""
     return {
         "format": FORMAT,
@@ -77,9 +77,9 @@ def fit_library(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
     }
 
 
-def _gaussians(shown: Sequence[Shown]) -> dict[str, Any]:
+def _gaussians(shown: Sequence[Demonstration]) -> dict[str, Any]:
     mean, covariance = [], []
-    for step in STEP * np.arange(int(LONGEST / STEP)):
+    for step in STEP * np.arange(int(MAX_DURATION / STEP)):
         at = []
         for one in shown:
             # who has arrived stays there
@@ -91,7 +91,7 @@ def _gaussians(shown: Sequence[Shown]) -> dict[str, Any]:
     return {"step_s": STEP, "mean": mean, "covariance": covariance}
 
 
-def _mixture(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
+def _mixture(shown: Sequence[Demonstration], seed: int) -> dict[str, Any]:
     every = np.concatenate(
         [
             np.column_stack([one.elapsed, one.place])[:: max(1, len(one.elapsed) // 12)]
@@ -99,7 +99,7 @@ def _mixture(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
         ]
     )
     model = GaussianMixture(COMPONENTS, tol=1e-7, max_iter=2000, reg_covar=1e-4, random_state=seed)
-    model.fit(every[(every[:, 0] <= LONGEST) & (np.abs(every[:, 1:]) < 3.0).all(axis=1)])
+    model.fit(every[(every[:, 0] <= MAX_DURATION) & (np.abs(every[:, 1:]) < 3.0).all(axis=1)])
     return {
         "weight": np.round(model.weights_, DIGITS).tolist(),
         "mean": np.round(model.means_, DIGITS).tolist(),
@@ -107,9 +107,9 @@ def _mixture(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
     }
 
 
-def _templates(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
+def _templates(shown: Sequence[Demonstration], seed: int) -> dict[str, Any]:
     chosen = np.random.default_rng(seed).permutation(len(shown))[:TEMPLATES]
-    times = STEP * np.arange(int(LONGEST / STEP))
+    times = STEP * np.arange(int(MAX_DURATION / STEP))
     speeds = [
         np.interp(times, shown[k].elapsed, shown[k].speed, left=0.0, right=0.0) for k in chosen
     ]
@@ -120,10 +120,10 @@ def _templates(shown: Sequence[Shown], seed: int) -> dict[str, Any]:
     }
 
 
-def write_library(told: dict[str, Any], path: Path) -> None:
+def write_library(content: dict[str, Any], path: Path) -> None:
     """Write what was learned, a line for each number or row."""
     lines = []
-    for name, part in told.items():
+    for name, part in content.items():
         if not isinstance(part, dict) or name == "provenance":
             lines.append(f' "{name}": {json.dumps(part)}')
             continue

@@ -1,4 +1,4 @@
-"""From recordings to what an estimator sees of them, by the same chain as in use."""
+"""From recordings to moments, the frames of moving hands, by the same stages as in use."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from igrip.geometry.scene import Geometry, Scene
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
-from igrip.targets.learned.features import LOCAL, SHARED, describe
+from igrip.targets.learned.features import LOCAL, SHARED, features_of
 from igrip.tracking import Tracker
 
 Array = NDArray[np.float64]
@@ -131,13 +131,15 @@ Frames = Sequence[tuple[Motion, Geometry]]
 def follow(recording: Recording) -> Frames:
     """Return motion and geometry of the hand in each frame, as the estimator has them."""
     config = Config()
-    world = Tracker(catalog(), config.tracking, config.motion, config.objects, config.gating)
-    scene = Scene(config.rays.model_copy(update={"rays": 1}))  # its rays are not looked at
+    tracker = Tracker(catalog(), config.tracking, config.motion, config.objects, config.gating)
+    scene = Scene(config.rays.model_copy(update={"rays_per_cone": 1}))  # they are not used
     frames = []
     for message in recording.messages:
-        for hand in world.take(message):
-            if hand.id == recording.hand and hand.motion and hand.status in ("idle", "reaching"):
-                frames.append((hand.motion, scene.measure([hand.motion], world.placed())[0]))
+        for hand in tracker.update(message):
+            if hand.id == recording.hand and hand.motion and hand.is_followed:
+                frames.append(
+                    (hand.motion, scene.measure([hand.motion], tracker.placed_objects())[0])
+                )
     return frames
 
 
@@ -145,10 +147,9 @@ def moments_of(recording: Recording, frames: Frames) -> Moments:
     """Return the features of one recording, rounded so that no machine's last digit matters."""
     local, shared, target, part, rows = [], [], [], [], [0]
     for motion, geometry in frames:
-        if not motion.reach.stirs or not geometry.objects:
+        if not motion.reach.may_move or not geometry.objects:
             continue
-        each, common = np.empty((len(geometry.objects), len(LOCAL))), np.empty(len(SHARED))
-        describe(*motion.reach[1:], geometry.cylinders(), each, common)
+        each, common = features_of(motion.reach, geometry.cylinders())
         part.append((motion.t - recording.onset) / (recording.end - recording.onset))
         wanted = recording.onset <= motion.t < recording.back
         ids = [placed.id for placed in geometry.objects]
@@ -197,12 +198,17 @@ def thinned(moments: Moments, seed: int) -> Moments:
     """
     random = np.random.default_rng(seed)
     chance = 0.5 * np.minimum(1.0, moments.weight)  # 30 / rate, times the recording's
-    keep = random.random(len(chance)) < chance
+    weighted = replace(moments, weight=moments.weight / chance)
+    return selected(weighted, random.random(len(chance)) < chance)
+
+
+def selected(moments: Moments, keep: NDArray[np.bool_]) -> Moments:
+    """Return the frames for which ``keep``, shape (n,), is true."""
     rows = keep[moments.frame]
-    frame, place = np.cumsum(keep) - 1, np.cumsum(rows) - 1
+    frame, row = np.cumsum(keep) - 1, np.cumsum(rows) - 1
     target = moments.target[keep]
     return Moments(
         moments.local[rows], frame[moments.frame[rows]], moments.shared[keep],
-        np.where(target < 0, -1, place[target]), (moments.weight / chance)[keep],
-        moments.trial[keep], moments.part[keep],
+        np.where(target < 0, -1, row[target]), moments.weight[keep], moments.trial[keep],
+        moments.part[keep],
     )  # fmt: skip

@@ -1,7 +1,7 @@
-"""When a device may act, on what, and until when: a lease that is earned, kept, paused and ended.
+"""Leases: permission for a device to act on a target, which is earned, kept, paused and ended.
 
-One :class:`Committer` a hand. It reads what the estimator believes and what health says, once for
-each measurement, and is one of::
+One :class:`Committer` per hand reads the estimate and the state of the input once for each
+measurement. It is in one of four states::
 
              likely enough             for the dwell              stopped at the target
     OPEN ──────────────────► EARNING ───────────────► COMMITTED ────────────────────────► HOLDING
@@ -10,27 +10,28 @@ each measurement, and is one of::
       ├───────────────────────────────  elsewhere, veto  ─┘     device reports open          │
       └──────────────────────────────────────────────────────────────────────────────────────┘
 
-In COMMITTED and HOLDING a lease is given with each measurement that can be believed and for as
-long as the target can be: without either the lease pauses, and after a while is lost.
+In COMMITTED and HOLDING each trusted measurement of the hand renews the lease while the target is
+trusted, too. Otherwise the lease pauses, and after ``max_pause`` it is lost.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Container, Mapping, Sequence
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from igrip.entities import Vector
+from igrip.evidence import Evidence
 from igrip.intention import Commitment
 from igrip.settings import Settings, quantity
 
+__all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
+
 State = Literal["open", "earning", "committed", "holding"]
-ALONG = 0.6  # cosine between the velocities of a hand and of what it carries, at least; guess
-EVERY: tuple[str, ...] = ("*",)
+ALL_HANDS: tuple[str, ...] = ("*",)
 
 
 class CommitmentConfig(Settings):
-    """How surely, how long and for whom.
+    """How certain and for how long a target must be, and which hands are assisted.
 
     Attributes
     ----------
@@ -40,127 +41,77 @@ class CommitmentConfig(Settings):
         Whether each reach must be confirmed from outside (a switch, a muscle) to be acted on.
     """
 
-    assisted: tuple[str, ...] = EVERY
+    assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
     reliability: float = quantity(
         0.45, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
     )  # fmt: skip
-    least: float = quantity(0.5, "1", "confidence asked for at reliability 0", "guess", gt=0, lt=1)
-    most: float = quantity(0.98, "1", "confidence asked for at reliability 1", "guess", gt=0, le=1)
+    min_threshold: float = quantity(
+        0.5, "1", "confidence required at reliability 0", "guess", gt=0, lt=1
+    )
+    max_threshold: float = quantity(
+        0.98, "1", "confidence required at reliability 1", "guess", gt=0, le=1
+    )
     max_dwell: float = quantity(
         0.2, "s", "a target must be likely for this long at reliability 1, at 0 not at all",
         "guess", ge=0,
     )  # fmt: skip
     hysteresis: float = quantity(
-        0.25, "1", "a target is kept until it is this much less likely than was asked for",
+        0.25, "1", "a target is kept until its confidence falls this much below the threshold",
         "guess", ge=0, lt=1,
     )  # fmt: skip
-    lease: float = quantity(
-        0.15, "s", "a lease ends so long after the newest measurement of the hand", "DESIGN §5",
+    lease_duration: float = quantity(
+        0.15, "s", "a lease ends this long after the newest measurement of the hand", "DESIGN §5",
         gt=0,
     )  # fmt: skip
-    resume: float = quantity(
-        0.3, "s", "after a pause no longer than this it goes on without a dwell", "DESIGN §5", ge=0
+    max_pause: float = quantity(
+        0.3, "s", "after a pause no longer than this a lease resumes without a dwell", "DESIGN §5",
+        ge=0,
+    )  # fmt: skip
+    veto_rest_duration: float = quantity(
+        0.3, "s", "a trusted hand must rest this long to end a veto", "guess", ge=0
     )
-    rest: float = quantity(
-        0.3, "s", "a hand must rest so long, believed, for a veto to be over", "guess", ge=0
-    )
-    reach: float = quantity(
-        0.12, "m", "a palm that stops so near to the surface of its target holds it", "guess", gt=0
-    )
-    leave: float = quantity(
-        0.06, "m", "and lets go where it is so much further from it", "guess", gt=0
-    )
+    holding_distance: float = quantity(
+        0.12, "m", "a palm that stops this near to the surface of its target holds it", "guess",
+        gt=0,
+    )  # fmt: skip
+    release_margin: float = quantity(
+        0.06, "m", "a hand releases its target where it is this much further from it", "guess",
+        gt=0,
+    )  # fmt: skip
 
     @property
     def threshold(self) -> float:
         """Confidence from which a target is committed to."""
-        return self.least + self.reliability * (self.most - self.least)
+        return self.min_threshold + self.reliability * (self.max_threshold - self.min_threshold)
 
     @property
     def dwell(self) -> float:
-        """For how long it must be so likely [s]."""
+        """For how long the confidence must be above the threshold [s]."""
         return self.reliability * self.max_dwell
 
     def assists(self, hand: str) -> bool:
-        """Whether a device assists this hand."""
-        return self.assisted == EVERY or hand in self.assisted
-
-
-class Evidence(NamedTuple):
-    """What is known of one hand after a message in which it was measured.
-
-    Attributes
-    ----------
-    t : float
-        Time of the message [s].
-    measured : float
-        Time of the hand's newest believed measurement [s].
-    position : 3 floats
-        Of the palm, then [m].
-    trusted : bool
-        Whether health has nothing against the hand.
-    moving : bool
-        Whether it is in a movement.
-    target, grip : str or None
-        What the estimator says.
-    confidence : mapping of str to float
-        Its probability, or score, of each object; where there are any, that of ``none``, too.
-    seen : container of str
-        Objects that were seen when they were last looked for, and may be believed.
-    gaps : mapping of str to float
-        Distance of the palm from each object that is known [m].
-    carried : container of str
-        Objects that move along with the hand.
-    """
-
-    t: float
-    measured: float
-    position: Vector
-    trusted: bool
-    moving: bool
-    target: str | None
-    grip: str | None
-    confidence: Mapping[str, float]
-    seen: Container[str]
-    gaps: Mapping[str, float]
-    carried: Collection[str] = ()
-
-
-def moving_along(velocities: Mapping[str, Sequence[float]], velocity: Sequence[float]) -> list[str]:
-    """Return which objects move much as a hand does.
-
-    Parameters
-    ----------
-    velocities : mapping of str to 3 floats
-        Of the objects that move, by id [m/s].
-    velocity : 3 floats
-        Of the hand [m/s].
-    """
-    speed = math.hypot(*velocity)
-    return [
-        id for id, own in velocities.items()
-        if sum(a * b for a, b in zip(own, velocity, strict=True)) > ALONG * speed * math.hypot(*own)
-    ]  # fmt: skip
+        """Return whether a device assists this hand."""
+        return self.assisted == ALL_HANDS or hand in self.assisted
 
 
 class Committer:
-    """The lease of one hand. Not to be fed but with messages in order of time.
+    """The lease of one hand.
 
     Attributes
     ----------
     state : str
         ``open``, ``earning``, ``committed`` or ``holding``.
     target : str or None
-        That is earned, committed to or held.
+        The object of that state.
     """
 
     def __init__(self, config: CommitmentConfig) -> None:
         self._config = config
         self._vetoed = False
         self._confirmed = False
-        self._rests_since = self._rested = math.nan
+        self._resting_since = self._updated_at = math.nan
         self._open()
 
     def _open(self) -> None:
@@ -168,9 +119,9 @@ class Committer:
         self.target: str | None = None
         self._grip: str | None = None
         self._since = math.nan  # of earning, then of the commitment
-        self._good = math.nan  # when there last was nothing against it
-        self._stopped: Vector | None = None
-        self._lapsed = False  # what is held has lost its lease for good
+        self._valid_at = math.nan  # time of the newest message without a pause
+        self._stop_position: Vector | None = None
+        self._lapsed = False  # the held object has lost its lease for good
 
     @property
     def vetoed(self) -> bool:
@@ -181,109 +132,125 @@ class Committer:
         """End the lease now, and give none before the hand has rested."""
         self._open()
         self._vetoed, self._confirmed = True, False
-        self._rests_since = math.nan
+        self._resting_since = math.nan
 
     def confirm(self) -> None:
-        """Take the user's word for the reach under way: no dwell."""
+        """Confirm the present reach from outside: no dwell is needed."""
         self._confirmed = True
 
-    def doubt(self) -> None:
-        """Note a measurement that cannot be believed: what was being earned is earned anew."""
+    def reject(self) -> None:
+        """Handle a measurement that cannot be trusted: the dwell starts anew."""
         if self.state == "earning":
             self._open()
 
     def notify_released(self) -> None:
-        """Note that the device has opened: what was held is held no longer."""
+        """Handle the opening of the device: the hand holds nothing any more."""
         if self.state == "holding":
             self._open()
 
-    def update(self, seen: Evidence) -> Commitment | None:
-        """Return the lease after a message; None: no permission."""
-        config = self._config
-        paused = self.target is not None and not seen.t - self._good <= config.resume
+    def update(self, evidence: Evidence) -> Commitment | None:
+        """Return the lease after a message, None for no permission.
+
+        Parameters
+        ----------
+        evidence : Evidence
+            Not older than the last.
+        """
+        config, now = self._config, evidence.t
+        paused = self.target is not None and not now - self._valid_at <= config.max_pause
         self._lapsed |= paused and self.state == "holding"
         if paused and self.state != "holding":
             self._open()
-        if self._has_rested(seen):
+        if self._has_rested(evidence):
             self._vetoed = False
             self._confirmed &= self.state != "open"
-        ends = seen.measured + config.lease
-        if not seen.trusted or ends <= seen.t:
-            self.doubt()
+        valid_until = evidence.measured + config.lease_duration
+        if not evidence.trusted or valid_until <= now:
+            self.reject()
             return None
         if self.state in ("committed", "holding"):
-            self._keep(seen)
+            self._keep(evidence)
         if self.state in ("open", "earning"):
-            self._earn(seen)
-        if self.state not in ("committed", "holding") or self.target not in seen.seen:
+            self._earn(evidence)
+        leased = self.state in ("committed", "holding")
+        if not leased or self.target not in evidence.trusted_objects:
             return None
-        self._good = seen.t
+        self._valid_at = now
         assert self.target is not None
-        if self.state == "committed" and seen.grip is not None and seen.target == self.target:
-            self._grip = seen.grip
+        updated = self.state == "committed" and evidence.target == self.target
+        if updated and evidence.grip is not None:
+            self._grip = evidence.grip
         if self._grip is None or self._lapsed:
             return None
-        return Commitment(target=self.target, grip=self._grip, since=self._since, valid_until=ends)
+        return Commitment(
+            target=self.target, grip=self._grip, since=self._since, valid_until=valid_until
+        )
 
-    def _has_rested(self, seen: Evidence) -> bool:
-        """Whether a hand has rested, believed all the while; one seen anew seems to, at first."""
-        if not seen.trusted or seen.moving:
-            self._rests_since = math.nan
-        elif not seen.t - self._rested <= self._config.resume or math.isnan(self._rests_since):
-            self._rests_since = seen.t
-        self._rested = seen.t
-        return seen.t - self._rests_since >= self._config.rest
+    def _has_rested(self, evidence: Evidence) -> bool:
+        """Return whether the hand has rested for long enough, trusted and without a gap."""
+        now, config = evidence.t, self._config
+        if not evidence.trusted or evidence.moving:
+            self._resting_since = math.nan
+        elif not now - self._updated_at <= config.max_pause or math.isnan(self._resting_since):
+            self._resting_since = now
+        self._updated_at = now
+        return now - self._resting_since >= config.veto_rest_duration
 
-    def _earn(self, seen: Evidence) -> None:
-        """Look for a target that is likely enough, for long enough, while the hand moves.
+    def _earn(self, evidence: Evidence) -> None:
+        """Start or continue the dwell of a likely target, and commit to it after that.
 
-        A hand that carries something is full.
+        A hand that carries an object is full: it earns nothing.
         """
-        config, target = self._config, seen.target
+        config, target = self._config, evidence.target
+        full = any(
+            evidence.distances.get(id, math.inf) <= config.holding_distance
+            for id in evidence.carried
+        )
         likely = (
-            seen.moving and not self._vetoed and target is not None and seen.grip is not None
-            and not any(seen.gaps.get(id, math.inf) <= config.reach for id in seen.carried)
-            and target in seen.seen and seen.confidence.get(target, 0.0) >= config.threshold
+            evidence.moving and not self._vetoed and not full
+            and target is not None and evidence.grip is not None
+            and target in evidence.trusted_objects
+            and evidence.confidence.get(target, 0.0) >= config.threshold
         )  # fmt: skip
         if not likely:
             self._open()
             return
         if target != self.target:
             self._open()
-            self.state, self.target, self._since = "earning", target, seen.measured
-        self._good = seen.t
-        waited = seen.measured - self._since >= config.dwell - 1e-9
+            self.state, self.target, self._since = "earning", target, evidence.measured
+        self._valid_at = evidence.t
+        waited = evidence.measured - self._since >= config.dwell - 1e-9
         if self._confirmed or (waited and not config.needs_confirmation):
-            self.state, self._since, self._grip = "committed", seen.t, seen.grip
-            self._confirmed = False  # another reach is to be confirmed anew
+            self.state, self._since, self._grip = "committed", evidence.t, evidence.grip
+            self._confirmed = False  # the next reach must be confirmed again
 
-    def _keep(self, seen: Evidence) -> None:
-        """End what was committed to or held, where it is over."""
+    def _keep(self, evidence: Evidence) -> None:
+        """End a commitment or a hold that is over."""
         config = self._config
         assert self.target is not None
-        gap = seen.gaps.get(self.target, math.inf)
+        distance = evidence.distances.get(self.target, math.inf)
         if self.state == "committed":
-            if not seen.moving:
-                if gap <= config.reach:
-                    self.state, self._stopped = "holding", seen.position
+            if not evidence.moving:
+                if distance <= config.holding_distance:
+                    self.state, self._stop_position = "holding", evidence.position
                 else:
                     self._open()
-            elif self.target in seen.seen:  # what is hidden for a moment cannot be judged
-                least = config.threshold - config.hysteresis
-                if seen.confidence.get(self.target, 0.0) < least:
+            elif self.target in evidence.trusted_objects:  # a hidden target cannot be judged
+                lowest = config.threshold - config.hysteresis
+                if evidence.confidence.get(self.target, 0.0) < lowest:
                     self._open()
-        elif self._left(seen, gap):
+        elif self._has_left(evidence, distance):
             self._open()
 
-    def _left(self, seen: Evidence, gap: float) -> bool:
-        """Whether the hand has left what it held.
+    def _has_left(self, evidence: Evidence, distance: float) -> bool:
+        """Return whether the hand has left the held object.
 
-        An object in a hand is often hidden by it: where it was last seen tells nothing then. Only
-        once it is given up and the hand is elsewhere, too, is it taken for left.
+        A hand often hides the object it holds, so the object's last pose is no evidence. Only when
+        the object is no longer known and the hand is elsewhere, it counts as left.
         """
         config = self._config
-        assert self._stopped is not None
-        if self.target in seen.seen:
-            return gap > config.reach + config.leave
-        away = math.dist(seen.position, self._stopped) > config.leave
-        return away and self.target not in seen.gaps
+        assert self._stop_position is not None
+        if self.target in evidence.trusted_objects:
+            return distance > config.holding_distance + config.release_margin
+        moved = math.dist(evidence.position, self._stop_position) > config.release_margin
+        return moved and self.target not in evidence.distances

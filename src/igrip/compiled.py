@@ -1,8 +1,8 @@
 """Compilation of the numeric kernels, with a cache on disk that notices every edit.
 
 numba keys its cache by the file of the compiled function alone: an edited callee in another file
-would go unnoticed and the old result be returned. So the cache directory carries a hash of all
-kernel sources.
+would go unnoticed and the old result be returned. The same holds for an edited named tuple that a
+kernel reads. So the cache directory carries a hash of all sources with either.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from platformdirs import user_cache_path
 
 @cache
 def cache_directory() -> Path:
-    """Return a writable directory for what can be computed again.
+    """Return a writable directory for results that can be computed again.
 
     ``IGRIP_CACHE_DIR`` names it; by default it is the user's cache directory, and where that cannot
     be written, a temporary one.
@@ -37,8 +37,9 @@ def cache_directory() -> Path:
 
 
 def kernel_sources(root: Path) -> list[Path]:
-    """Return every source file below a package's folder that holds a kernel, sorted."""
-    return [path for path in sorted(root.rglob("*.py")) if b"@kernel" in path.read_bytes()]
+    """Return every source file of a package with a kernel or a type that kernels read, sorted."""
+    texts = ((path, path.read_bytes()) for path in sorted(root.rglob("*.py")))
+    return [path for path, text in texts if b"@kernel" in text or b"(NamedTuple)" in text]
 
 
 @cache

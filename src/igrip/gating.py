@@ -1,6 +1,6 @@
-"""Which measurements may be believed: old, future, jumping, frozen, far and lost ones are named.
+"""Validation gate: rejects old, future, jumping and far measurements; marks frozen ones.
 
-Every rule reads data times alone; the core has no other clock (DESIGN §3).
+Every rule uses the times of the data alone; the core has no other clock (DESIGN §3).
 """
 
 from __future__ import annotations
@@ -13,23 +13,27 @@ from typing import Literal, NamedTuple
 from igrip.entities import Vector
 from igrip.settings import Settings, quantity
 
-MIN_STEP = 1e-6  # measurements of one entity are further apart than this, or one of them [s]
+MIN_STEP = 1e-6  # s; measurements of one entity that are nearer in time count as the same
 
 
 class GatingConfig(Settings):
-    """Limits beyond which an input is not believed."""
+    """Limits beyond which a measurement is rejected or marked."""
 
     future_tolerance: float = quantity(
-        0.05, "s", "a measurement may precede its message's arrival by this much", "guess", ge=0
+        0.05,
+        "s",
+        "a measurement may be this much newer than the arrival of its message",
+        "guess",
+        ge=0,
     )
     restart_after: float = quantity(
-        0.3, "s", "a stream refused for this long starts anew", "DESIGN §3", gt=0
+        0.3, "s", "a stream that was rejected for this long starts anew", "DESIGN §3", gt=0
     )
-    hand_limit: float = quantity(
-        0.3, "s", "a hand not measured for this long is lost", "SPEC §9", gt=0
+    max_hand_age: float = quantity(
+        0.3, "s", "a hand that was not measured for this long is lost", "SPEC §9", gt=0
     )
-    object_limit: float = quantity(
-        2.0, "s", "the pose of an object is usable for this long", "DESIGN §5", gt=0
+    max_object_age: float = quantity(
+        2.0, "s", "the pose of an object is used for this long", "DESIGN §5", gt=0
     )
     jump_distance: float = quantity(
         0.10, "m", "a step larger than this plus jump_speed · dt is a jump", "guess", gt=0
@@ -38,61 +42,74 @@ class GatingConfig(Settings):
         5.0, "m/s", "see jump_distance; reaches peak below 3 m/s", "guess", gt=0
     )
     frozen_after: float = quantity(
-        0.5,
-        "s",
-        "a hand that repeats one position bit for bit for this long is frozen",
-        "guess",
+        0.5, "s", "a hand that repeats one position bit for bit for this long is frozen", "guess",
         gt=0,
-    )
-    hands_apart: float = quantity(
-        0.03, "m", "two palms that are nearer to each other are one hand, seen as two", "guess",
+    )  # fmt: skip
+    min_hand_separation: float = quantity(
+        0.03, "m", "two palms that are nearer to each other are one hand, detected twice", "guess",
         ge=0,
     )  # fmt: skip
-    objects_apart: float = quantity(
-        0.005, "m", "two objects that are nearer to each other are one, taken for two", "guess",
+    min_object_separation: float = quantity(
+        0.005, "m", "two objects that are nearer to each other are one, detected twice", "guess",
         ge=0,
     )  # fmt: skip
-    range_limit: float = quantity(100.0, "m", "nothing is further from the origin", "guess", gt=0)
+    max_range: float = quantity(
+        100.0, "m", "a coordinate beyond this is rejected: its unit is hardly the metre", "guess",
+        gt=0,
+    )  # fmt: skip
 
 
-def contradictions(positions: Mapping[str, Vector], apart: float) -> dict[str, str]:
-    """Return for each entity that is where another is [m] which that is."""
-    found = {}
-    ranked = sorted((place, id) for id, place in positions.items())  # by x first
-    for k, (place, id) in enumerate(ranked):
-        for there, other in ranked[k + 1 :]:
-            if there[0] - place[0] >= apart:
+def find_coincident(positions: Mapping[str, Vector], min_separation: float) -> dict[str, str]:
+    """Return pairs of entities that are at the same place.
+
+    Parameters
+    ----------
+    positions : mapping of str to 3 floats
+        By id [m].
+    min_separation : float
+        Entities that are nearer to each other than this are at the same place [m].
+
+    Returns
+    -------
+    dict of str to str
+        For each entity of a pair the other one.
+    """
+    same = {}
+    by_x = sorted((position, id) for id, position in positions.items())
+    for k, (position, id) in enumerate(by_x):
+        for other_position, other in by_x[k + 1 :]:
+            if other_position[0] - position[0] >= min_separation:
                 break
-            if math.dist(place, there) < apart:
-                found[id], found[other] = other, id
-    return found
+            if math.dist(position, other_position) < min_separation:
+                same[id], same[other] = other, id
+    return same
 
 
 class Verdict(NamedTuple):
-    """What to do with one measurement.
+    """The decision on one measurement.
 
     Attributes
     ----------
     action : str
-        ``accept``; ``restart``: accept, forgetting what came before; ``ignore``: as if it had not
-        come; ``refuse``: not believed, and the entity is invalid.
+        ``accept``; ``restart``: accept it and forget what came before; ``ignore``: treat it as not
+        received; ``reject``: the entity is invalid.
     reason : str or None
-        In words, unless accepted.
+        Why it was not accepted, as text.
     """
 
-    action: Literal["accept", "restart", "ignore", "refuse"]
+    action: Literal["accept", "restart", "ignore", "reject"]
     reason: str | None = None
 
 
 class Gate:
-    """Judges the measurements of one entity.
+    """Validation gate of one entity.
 
     Parameters
     ----------
     config : GatingConfig
         The limits.
-    limit : float
-        After a gap longer than this the entity starts anew [s].
+    max_age : float
+        An entity that was not measured for longer than this starts anew [s].
 
     Attributes
     ----------
@@ -102,14 +119,14 @@ class Gate:
         Time of the newest accepted measurement, on the clock of the messages [s]; NaN before the
         first.
     offset : float
-        What is added to the entity's own times, since its clock was seen to step back [s].
+        Added to the entity's own times since its clock stepped back [s].
     counts : Counter
-        How many measurements were ``older``, ``future``, ``jump`` or ``far``, and ``restarts``.
+        Number of ``older``, ``future``, ``jump`` and ``far`` measurements, and of ``restarts``.
     """
 
-    def __init__(self, config: GatingConfig, limit: float) -> None:
+    def __init__(self, config: GatingConfig, max_age: float) -> None:
         self._config = config
-        self._limit = limit
+        self._max_age = max_age
         self.position: Vector | None = None
         self._rejected_since: float | None = None
         self._rejected_t = -math.inf
@@ -119,65 +136,66 @@ class Gate:
         self.offset = 0.0
         self.counts: Counter[str] = Counter()
 
-    def judge(self, now: float, t: float, position: Vector) -> Verdict:
-        """Judge a measurement whose own time is ``t`` and that arrived at ``now`` [s].
+    def check(self, now: float, t: float, position: Vector) -> Verdict:
+        """Decide on a measurement with its own time ``t`` that arrived at ``now`` [s].
 
-        If it is accepted, :attr:`newest` is its time on the clock of the messages.
+        If it is accepted, :attr:`newest` becomes its time on the clock of the messages.
         """
         config = self._config
-        if max(map(abs, position)) > config.range_limit:
+        if max(map(abs, position)) > config.max_range:
             self.counts["far"] += 1
             return Verdict(
-                "refuse", f"is more than {config.range_limit:g} m away: is its unit the metre?"
+                "reject", f"is more than {config.max_range:g} m away: is its unit the metre?"
             )
         latest = now + config.future_tolerance
         if self.offset and t + self.offset > latest >= t:  # its clock stepped forward again
-            return self._follow(now, t, position)
+            return self._follow_clock(now, t, position)
         own, t = t, t + self.offset
         if t > latest:
             self.counts["future"] += 1
-            return Verdict("refuse", f"measured {t - now:.3g} s in the future of its arrival")
+            return Verdict("reject", f"measured {t - now:.3g} s in the future of its arrival")
         if self.position is None:
-            return self._take(t, position, "accept")
+            return self._accept(t, position, "accept")
         dt = t - self.newest
         if dt < MIN_STEP:
             self.counts["older"] += 1
             if not self._is_new_stream(now, own):
                 return Verdict("ignore", "not newer than the newest")
-            return self._follow(now, own, position)
+            return self._follow_clock(now, own, position)
         step = math.dist(position, self.position)
-        # while a jump is doubted the bound must not grow until it is believed by patience alone
+        # the bound must not grow while jumps are rejected: waiting alone would let them pass
         since = min(dt, self._first_jump - self.newest)
         if step > config.jump_distance + config.jump_speed * since:
             self.counts["jump"] += 1
             self._first_jump = min(self._first_jump, t)
             if not self._is_new_stream(now, own):
-                return Verdict("refuse", f"jumped {step:.2f} m in {dt:.3f} s")
-            return self._take(t, position, "restart")
-        return self._take(t, position, "restart" if dt > self._limit else "accept")
+                return Verdict("reject", f"jumped {step:.2f} m in {dt:.3f} s")
+            return self._accept(t, position, "restart")
+        return self._accept(t, position, "restart" if dt > self._max_age else "accept")
 
-    def is_late(self, now: float) -> bool:
+    def is_stale(self, now: float) -> bool:
         """Whether the newest measurement is older than the limit."""
-        return not now - self.newest <= self._limit
+        return not now - self.newest <= self._max_age
 
-    def remark(self) -> str | None:
-        """Say in words what is odd about measurements that were accepted."""
+    @property
+    def warning(self) -> str | None:
+        """What is suspicious about the accepted measurements, as text; None if nothing is."""
         if self.offset:
             return f"its clock stepped back by {self.offset:.2f} s; ages are counted from then"
-        for_how_long = self.newest - self._same_since
-        if not for_how_long >= self._config.frozen_after:  # NaN before the first measurement
+        frozen_for = self.newest - self._same_since
+        if not frozen_for >= self._config.frozen_after:  # NaN before the first measurement
             return None
-        return f"frozen: the same position to the last bit for {for_how_long:.2f} s"
+        return f"frozen: the same position to the last bit for {frozen_for:.2f} s"
 
-    def _follow(self, now: float, own: float, position: Vector) -> Verdict:
-        """Start anew on the entity's clock as it is now; without an offset where it is in time."""
-        self.offset = 0.0 if now - own <= self._limit else now - own
-        return self._take(own + self.offset, position, "restart")
+    def _follow_clock(self, now: float, own: float, position: Vector) -> Verdict:
+        """Restart on the entity's clock as it is now, without an offset if it is right."""
+        self.offset = 0.0 if now - own <= self._max_age else now - own
+        return self._accept(own + self.offset, position, "restart")
 
     def _is_new_stream(self, now: float, own: float) -> bool:
-        """Whether measurements have been doubted for so long that they are a stream of their own.
+        """Whether measurements were rejected for so long that they count as a new stream.
 
-        Its times must grow: a pose that is sent again and again with its old time is no stream.
+        Its times must grow: a pose that is sent repeatedly with its old time is no stream.
         """
         grows, self._rejected_t = own > self._rejected_t, own
         if not grows:
@@ -186,7 +204,7 @@ class Gate:
             self._rejected_since = now
         return now - self._rejected_since >= self._config.restart_after
 
-    def _take(self, t: float, position: Vector, action: Literal["accept", "restart"]) -> Verdict:
+    def _accept(self, t: float, position: Vector, action: Literal["accept", "restart"]) -> Verdict:
         if action == "restart":
             self.counts["restarts"] += 1
         if action == "restart" or position != self.position:

@@ -1,4 +1,4 @@
-"""Files of learned numbers: text with a format, a provenance and arrays that are checked."""
+"""Files of learned numbers: JSON with a format, a provenance and arrays that are checked."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ def read_learned(path: Path, form: str) -> dict[str, Any]:
         If it cannot be read, or is not of the format ``form``.
     """
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise IgripError(f"{path}: cannot be read as learned numbers: {error}") from error
-    if not isinstance(told, dict) or told.get("format") != form:
+    if not isinstance(content, dict) or content.get("format") != form:
         raise IgripError(f"{path}: is not of the format {form}; train it anew (make train)")
-    return told
+    return content
 
 
-def numbers(told: Any, keys: Sequence[str], shape: tuple[int, ...], path: Path) -> Array:
-    """Return the array at some keys of what was read; -1 in its shape: any length.
+def numbers(content: Any, keys: Sequence[str], shape: tuple[int, ...], path: Path) -> Array:
+    """Return the array under nested keys of a file's content; -1 in ``shape``: any length.
 
     Raises
     ------
     IgripError
-        If there is none, or it has another shape or numbers that are not finite. Compiled code
-        reads these arrays without looking at their ends.
+        If there is none, or it has another shape or numbers that are not finite: compiled code
+        reads these arrays without checking bounds.
     """
     try:
         for key in keys:
-            told = told[key]
-        values = np.array(told, dtype=np.float64)
+            content = content[key]
+        values = np.array(content, dtype=np.float64)
     except (KeyError, TypeError, ValueError) as error:
         raise IgripError(f"{path}: has no numbers {'.'.join(keys)}") from error
     fits = len(values.shape) == len(shape) and all(
-        asked in (-1, found) for asked, found in zip(shape, values.shape, strict=True)
+        expected in (-1, length) for expected, length in zip(shape, values.shape, strict=True)
     )
     if not fits or not np.isfinite(values).all():
         raise IgripError(f"{path}: {'.'.join(keys)} is not finite, or not of the shape {shape}")

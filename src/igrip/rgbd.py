@@ -16,6 +16,8 @@ class Intrinsics(NamedTuple):
 
     Pixel centres have whole coordinates.
 
+    An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
+
     Attributes
     ----------
     width, height : int

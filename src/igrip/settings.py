@@ -1,16 +1,74 @@
-"""How a number that a user may change is declared: default, unit, meaning and source together."""
+"""Declarations of the numbers a user may change: default, unit, meaning and source together."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+RENAMED: Mapping[str, Mapping[str, str]] = {
+    "Config": {"health": "gating", "world": "tracking"},
+    "TrackingConfig": {"most_hands": "max_hands", "most_objects": "max_objects"},
+    "GatingConfig": {
+        "hand_limit": "max_hand_age", "object_limit": "max_object_age",
+        "hands_apart": "min_hand_separation", "objects_apart": "min_object_separation",
+        "range_limit": "max_range",
+    },
+    "ReachConfig": {
+        "leave": "onset_distance", "leave_noise": "onset_noise_factor",
+        "leave_sway": "onset_sway_factor", "most_sway": "max_onset_sway",
+        "max_sway": "max_onset_sway", "noise": "initial_noise",
+        "rest_memory": "rest_time_constant", "calm": "end_time_constant",
+        "rest_fraction": "rest_speed_fraction", "rest_noise": "rest_noise_factor",
+        "dwell": "min_rest_duration", "longest_gap": "max_gap",
+    },
+    "ObjectConfig": {"still_speed": "rest_speed"},
+    "RayConfig": {"rays": "rays_per_cone", "least_speed": "min_speed"},
+    "CueConfig": {"least_speed": "min_speed", "single_spread": "default_spread"},
+    "GripConfig": {"pinch_from": "pinch_threshold"},
+    "CommitmentConfig": {
+        "least": "min_threshold", "most": "max_threshold", "longest_dwell": "max_dwell",
+        "lease": "lease_duration", "resume": "max_pause", "rest": "veto_rest_duration",
+        "reach": "holding_distance", "leave": "release_margin",
+    },
+    "DepthOptions": {
+        "misfit": "max_misfit", "nearest": "min_depth", "farthest": "max_depth",
+        "every": "search_interval", "base": "tolerance",
+    },
+    "TagsOptions": {"lasting": "max_pose_age", "missing": "missing_after"},
+    "CosyPoseOptions": {"least": "min_score", "patience": "timeout", "missing": "missing_after"},
+    "MediaPipeConfig": {
+        "hands": "max_hands", "detection": "min_detection", "presence": "min_presence",
+        "views": "tiles", "every": "search_every",
+    },
+    "PalmConfig": {
+        "pixels": "min_pixels", "share": "min_share", "smallest": "min_length",
+        "largest": "max_length", "grain": "correlation", "least": "min_std",
+    },
+    "CalibrationConfig": {
+        "views": "max_views", "tags": "min_tags", "worst": "max_error", "still": "max_motion",
+        "doubt": "min_ratio",
+    },
+    "LayoutConfig": {"apart": "min_gap"},
+    "StereoNoise": {"nearest": "min_depth", "farthest": "max_depth", "grazing": "min_cosine"},
+}  # fmt: skip
+"""Keys of earlier versions by class: an old one raises an error that names the new one."""
 
 
 class Settings(BaseModel):
     """Base of every module's configuration: frozen, and a misspelt name is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_old_keys(cls, values: Any) -> Any:
+        renamed = RENAMED.get(cls.__name__, {})
+        for old in values if isinstance(values, Mapping) else ():
+            if old in renamed and old not in cls.model_fields:
+                raise ValueError(f"{old} was renamed to {renamed[old]}")
+        return values
 
 
 def quantity(default: Any, unit: str, meaning: str, source: str = "", **bounds: Any) -> Any:
@@ -19,7 +77,7 @@ def quantity(default: Any, unit: str, meaning: str, source: str = "", **bounds: 
     Parameters
     ----------
     default
-        The value used when the user says nothing.
+        The value used unless the user sets another.
     unit
         Its unit, ``"1"`` for a pure number.
     meaning

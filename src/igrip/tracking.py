@@ -1,4 +1,4 @@
-"""The hands and objects that are known, each with its own filters, age and health."""
+"""Tracker: follows hands and objects, each with its own gate and filters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from igrip.entities import ObjectPose
 from igrip.errors import ObservationError
-from igrip.gating import GatingConfig, contradictions
+from igrip.gating import GatingConfig, find_coincident
 from igrip.geometry.scene import PlacedObject
 from igrip.motion.hand_track import HandTrack
 from igrip.motion.trajectory import MotionConfig
@@ -22,14 +22,24 @@ Track = TypeVar("Track", HandTrack, ObjectTrack)
 
 
 class TrackingConfig(Settings):
-    """How much is remembered, whatever a source sends."""
+    """How many hands and objects are followed, whatever a source sends."""
 
-    max_hands: int = quantity(16, "1", "hands followed at a time", "guess", ge=1)
-    max_objects: int = quantity(256, "1", "objects followed at a time", "guess", ge=1)
+    max_hands: int = quantity(16, "1", "hands followed at the same time", "guess", ge=1)
+    max_objects: int = quantity(256, "1", "objects followed at the same time", "guess", ge=1)
 
 
 class Tracker:
-    """All tracks. :meth:`take` either takes a whole message or raises and changes nothing."""
+    """Tracks of all hands and objects.
+
+    Attributes
+    ----------
+    t : float
+        Time of the newest message [s].
+    hands, objects : dict
+        The tracks by id.
+    counts : Counter
+        Number of ``messages``, ``unknown_fields``, and of tracks that found no room (``too_many``).
+    """
 
     def __init__(
         self,
@@ -37,21 +47,19 @@ class Tracker:
         config: TrackingConfig,
         motion: MotionConfig,
         objects: ObjectConfig,
-        health: GatingConfig,
+        gating: GatingConfig,
     ) -> None:
         self._catalog, self._config = catalog, config
-        self._motion_config, self._object_config, self._health = motion, objects, health
+        self._motion_config, self._object_config, self._gating = motion, objects, gating
         self.t = 0.0
         self.hands: dict[str, HandTrack] = {}
         self.objects: dict[str, ObjectTrack] = {}
         self.counts: Counter[str] = Counter()
-        self._left_out = 0
-        self._placed: dict[
-            str, PlacedObject
-        ] = {}  # poses that have not changed since they were placed
+        self._dropped = 0
+        self._placed: dict[str, PlacedObject] = {}  # poses that have not changed since
 
-    def take(self, observation: Observation) -> list[HandTrack]:
-        """Take a message: objects first, then hands.
+    def update(self, observation: Observation) -> list[HandTrack]:
+        """Update all tracks with a message: objects first, then hands.
 
         Returns
         -------
@@ -61,34 +69,35 @@ class Tracker:
         Raises
         ------
         ObservationError
-            If time decreases, an id is bound to another model, or a new id names no model.
+            If time decreases, an id is bound to another model, or a new id names no model; nothing
+            has changed then.
         """
         self._check(observation)
         self.t = now = observation.t
         self.counts["messages"] += 1
         if observation.hands.keys() - self.hands or observation.objects.keys() - self.objects:
-            self._advance(now)  # who is lost must be known before room is made
+            self._advance(now)  # room is made by forgetting stale tracks
         self.counts["unknown_fields"] += observation.unknown_fields
-        self._take_objects(observation)
+        self._update_objects(observation)
         measured = []
         for id, hand in sorted(observation.hands.items()):
             if hand is None or (track := self._hand(id, observation)) is None:
                 continue
             if track.update(now, hand):
                 measured.append(track)
-        self._compare(measured)
+        self._find_coincident_hands(measured)
         self._advance(now)
         return measured
 
-    def _compare(self, measured: list[HandTrack]) -> None:
-        """Note which hands are where another is: one of them is not there."""
+    def _find_coincident_hands(self, measured: list[HandTrack]) -> None:
+        """Mark hands at the same place: one of them is a false detection."""
         if not measured or len(self.hands) < 2:
-            return  # a hand that had another beside it still has: none is forgotten without one
-        seen = {
+            return  # a marked hand keeps its mark: its other is not forgotten without a new hand
+        positions = {
             id: hand.gate.position
             for id, hand in self.hands.items() if hand.gate.position and hand.is_steady(self.t)
         }  # fmt: skip
-        same = contradictions(seen, self._health.hands_apart)
+        same = find_coincident(positions, self._gating.min_hand_separation)
         for id, hand in self.hands.items():
             hand.same_as = same.get(id)
 
@@ -98,9 +107,9 @@ class Tracker:
         for hand_track in self.hands.values():
             hand_track.advance(now)
 
-    def _take_objects(self, observation: Observation) -> None:
-        left_out = 0
-        # by id: which objects there is room for must not hang on their order in the message
+    def _update_objects(self, observation: Observation) -> None:
+        dropped = 0
+        # by id: which objects find room must not depend on their order in the message
         for id, pose in sorted(observation.objects.items()):
             if pose is None:
                 if id in self.objects:
@@ -108,50 +117,50 @@ class Tracker:
                 continue
             track = self._object(id, pose, observation)
             if track is None:
-                left_out += 1
+                dropped += 1
                 continue
             track.update(observation.t, pose)
             self._placed.pop(id, None)
         if observation.objects:
-            self._left_out = left_out
+            self._dropped = dropped
 
-    def placed(self) -> list[PlacedObject]:
-        """Return the objects that can be used now, with their poses."""
+    def placed_objects(self) -> list[PlacedObject]:
+        """Return the objects that can be used now, with their filtered poses."""
         usable = [track for track in self.objects.values() if track.reason is None]
         for track in usable:
             if track.id not in self._placed and track.model is not None:
                 pose = track.place(track.model.centre)
-                self._placed[track.id] = PlacedObject(track.id, track.model, pose[:3], *pose[3:])
+                self._placed[track.id] = PlacedObject(track.id, track.model, *pose)
         return [self._placed[track.id] for track in usable]
 
     def trusts(self, id: str) -> bool:
-        """Whether a device may act on an object: seen when last looked for, and believed."""
+        """Return whether a device may act on an object: no fault, and no other at its place."""
         track = self.objects.get(id)
         if track is None or not track.trusted or track.gate.position is None:
             return False
-        place, apart = track.gate.position, self._health.objects_apart
+        place, min_separation = track.gate.position, self._gating.min_object_separation
         return not any(
             other is not track and other.gate.position is not None
-            and math.dist(place, other.gate.position) < apart and other.trusted
+            and math.dist(place, other.gate.position) < min_separation and other.trusted
             for other in self.objects.values()
         )  # fmt: skip
 
-    def trouble(self) -> str | None:
-        """Say what is wrong with the input of objects, in words."""
+    def object_problems(self) -> str | None:
+        """Return what is wrong with the input of objects, as text; None if nothing is."""
         usable = any(track.reason is None for track in self.objects.values())
-        named = [t for t in self.objects.values() if t.fault or (not usable and t.reason)]
-        parts = [f"{track.id}: {track.fault or track.reason}" for track in named[:3]]
-        if len(named) > 3:
-            parts.append(f"and {len(named) - 3} more")
-        if self._left_out:
-            most = self._config.max_objects
-            parts.append(f"{self._left_out} objects beyond the limit of {most} are left out")
+        faulty = [t for t in self.objects.values() if t.fault or (not usable and t.reason)]
+        parts = [f"{track.id}: {track.fault or track.reason}" for track in faulty[:3]]
+        if len(faulty) > 3:
+            parts.append(f"and {len(faulty) - 3} more")
+        if self._dropped:
+            limit = self._config.max_objects
+            parts.append(f"{self._dropped} objects beyond the limit of {limit} are left out")
         if not usable:
             parts.insert(0, "no usable object")
         return "; ".join(parts) or None
 
-    def report(self) -> dict[str, Any]:
-        """Return status, reason, age and counts of every input, as plain data."""
+    def summary(self) -> dict[str, Any]:
+        """Return status, reason, age and counts of every hand and object, as plain data."""
         return {
             "t": self.t,
             "counts": dict(self.counts),
@@ -202,46 +211,46 @@ class Tracker:
             self.objects, self._config.max_objects, message.objects
         )
         if room and pose.model is not None:
-            track = ObjectTrack(id, pose.model, self._catalog, self._object_config, self._health)
+            track = ObjectTrack(id, pose.model, self._catalog, self._object_config, self._gating)
             self.objects[id] = track
         return track
 
     def _hand(self, id: str, message: Observation) -> HandTrack | None:
         track = self.hands.get(id)
         if track is None and self._make_room(self.hands, self._config.max_hands, message.hands):
-            track = self.hands[id] = HandTrack(id, self._motion_config, self._health)
+            track = self.hands[id] = HandTrack(id, self._motion_config, self._gating)
         return track
 
-    def _make_room(self, tracks: dict[str, Track], most: int, named: Container[str]) -> bool:
-        """Forget the track that has been lost for longest, if need be and if there is one.
+    def _make_room(self, tracks: dict[str, Track], limit: int, named: Container[str]) -> bool:
+        """Return whether there is room for a track; forget the oldest stale one if need be.
 
-        What the present message names is not forgotten, whatever its age.
+        A track that the present message names is not forgotten.
         """
-        if len(tracks) < most:
+        if len(tracks) < limit:
             return True
-        lost = [track for track in tracks.values() if track.is_late and track.id not in named]
-        if not lost:
+        stale = [track for track in tracks.values() if track.is_stale and track.id not in named]
+        if not stale:
             self.counts["too_many"] += 1
             return False
-        forgotten = min(lost, key=_newest).id
-        del tracks[forgotten]
-        self._placed.pop(forgotten, None)
+        oldest = min(stale, key=_newest).id
+        del tracks[oldest]
+        self._placed.pop(oldest, None)
         return True
 
 
 class TrustedObjects:
     """The objects that a device may act on after the newest message."""
 
-    def __init__(self, world: Tracker) -> None:
-        self._world = world
+    def __init__(self, tracker: Tracker) -> None:
+        self._tracker = tracker
 
     def __contains__(self, id: object) -> bool:
-        return isinstance(id, str) and self._world.trusts(id)
+        return isinstance(id, str) and self._tracker.trusts(id)
 
 
 def _newest(track: HandTrack | ObjectTrack) -> float:
     newest = track.gate.newest
-    return -1.0 if math.isnan(newest) else newest  # never believed: the first to go
+    return -1.0 if math.isnan(newest) else newest  # never accepted: the first to go
 
 
 def _age(now: float, track: HandTrack | ObjectTrack) -> float | None:

@@ -55,7 +55,7 @@ def test_distance_derivative_without_a_least_speed_does_not_divide_by_zero():
 def test_distances(name, kind, lengths, spread):
     column = kind if name == "distance" else f"future_{kind}"
     frame = geometry(len(lengths), spread=spread, **{column: lengths})
-    ours = score(name, frame, distance=kind, single_spread=0.7)
+    ours = score(name, frame, distance=kind, default_spread=0.7)
     d_max = 0.7 if np.isnan(spread) else spread
     assert ours == pytest.approx([1.0 - min(d / d_max, 1.0) for d in lengths], abs=1e-12)
     assert ((ours >= 0.0) & (ours <= 1.0)).all()
@@ -64,7 +64,7 @@ def test_distances(name, kind, lengths, spread):
 
 @pytest.mark.parametrize("spread", [0.0, 1e-9, np.nan])
 def test_objects_in_one_place_are_compared_with_a_fixed_length(spread):
-    ours = score("distance", geometry(2, vertex=[0.1, 0.3], spread=spread), single_spread=0.5)
+    ours = score("distance", geometry(2, vertex=[0.1, 0.3], spread=spread), default_spread=0.5)
     assert ours == pytest.approx([0.8, 0.4])
 
 

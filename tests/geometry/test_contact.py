@@ -9,6 +9,7 @@ import pytest
 
 from igrip import load_objects
 from igrip.geometry import contact
+from igrip.geometry.packed_models import pack
 from igrip.geometry.scene import RayConfig
 from oracle import cones, meshes
 from support import BOX, CAN, random_turn
@@ -17,20 +18,10 @@ REACH, LIMIT = 0.08, 2.0
 
 
 def approach(model, coefficients, rotation=None, translation=(0.0, 0.0, 0.0)):
-    out = np.empty(4)
     turn = np.eye(3) if rotation is None else rotation
-    contact.approach(
-        model.bvh,
-        np.array([0, 0]),
-        model.sphere,
-        turn,
-        np.array(translation),
-        coefficients,
-        REACH,
-        LIMIT,
-        out,
-    )
-    return out
+    models = pack({model.name: model}).arrays
+    found = contact.approach(models, 0, turn, np.array(translation), coefficients, REACH, LIMIT)
+    return [found[0], *found[1]]
 
 
 def box_distance(points, half):
@@ -151,7 +142,7 @@ def test_a_shallow_approach_is_found(slope):
 
 def test_defaults_of_the_rays_are_those_of_the_specification():
     config = RayConfig()
-    assert config.rays == cones.RAYS
+    assert config.rays_per_cone == cones.RAYS
     assert (config.slow_speed, config.fast_speed) == (cones.SLOW_SPEED, cones.FAST_SPEED)
     assert config.slow_angle == pytest.approx(cones.SLOW_ANGLE)
     assert config.fast_angle == pytest.approx(cones.FAST_ANGLE)

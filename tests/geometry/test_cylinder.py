@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from igrip.geometry import cylinder
 from igrip.geometry.scene import PlacedObject, RayConfig, Scene
 from support import BOX, CAN
 
@@ -27,19 +26,21 @@ def test_cylinders_are_those_of_the_models_in_the_world(shapes, at_rest):
             )
         )
     [geometry] = Scene(RayConfig()).measure([at_rest], placed)
-    rows = geometry.cylinders()
-    assert rows.shape == (3, cylinder.WIDTH)
-    for row, one in zip(rows, placed, strict=True):
-        assert row[:3] == pytest.approx(one.rotation @ one.model.origin + one.translation)
-        assert row[3:6] == pytest.approx(one.rotation @ one.model.axis)
-        assert row[cylinder.HALF_LENGTH] == 0.5 * one.model.length
-        assert row[cylinder.RADIUS] == one.model.radius
-        assert row[cylinder.VELOCITY :] == pytest.approx(one.velocity)
+    cylinders = geometry.cylinders()
+    assert len(cylinders.radius) == 3
+    for k, one in enumerate(placed):
+        assert cylinders.centre[k] == pytest.approx(
+            one.rotation @ one.model.origin + one.translation
+        )
+        assert cylinders.axis[k] == pytest.approx(one.rotation @ one.model.axis)
+        assert cylinders.half_length[k] == 0.5 * one.model.length
+        assert cylinders.radius[k] == one.model.radius
+        assert cylinders.velocity[k] == pytest.approx(one.velocity)
 
 
 def test_nothing_has_no_cylinders(at_rest):
     [geometry] = Scene(RayConfig()).measure([at_rest], [])
-    assert geometry.cylinders().shape == (0, cylinder.WIDTH)
+    assert len(geometry.cylinders().radius) == 0
 
 
 @pytest.fixture

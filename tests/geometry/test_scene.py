@@ -149,7 +149,7 @@ def test_a_resting_hand_casts_no_rays(shapes, speed):
 
 
 def test_counters_count_the_rays_cast(shapes):
-    scene = Scene(RayConfig(rays=20))
+    scene = Scene(RayConfig(rays_per_cone=20))
     objects = [placed(shapes[BOX], translation=(0.3, 0.0, 0.0)), placed(shapes[CAN])]
     hand = moving(np.array([[0.5, 0.4, 0.0], [0.4, 0.0, 0.0], [0.0, 0.0, 0.0]]))
     scene.measure([hand, hand], objects)
@@ -239,7 +239,7 @@ def test_other_numbers_of_rays(shapes, rays):
     rng = np.random.default_rng(rays)
     body = some_objects(rng, shapes, 1)[0]
     hand = towards(rng, body.centre)
-    [geometry] = Scene(RayConfig(rays=rays)).measure([hand], [body])
+    [geometry] = Scene(RayConfig(rays_per_cone=rays)).measure([hand], [body])
     mesh, axes = oracle_mesh(body.model), body.model.mesh_from_object[:3, :3].T
     expected = 0
     for point, velocity in zip(hand.future, hand.future_velocity, strict=True):

@@ -11,7 +11,9 @@ import pytest
 import igrip
 from golden.make_golden import FILES, plain
 from igrip.cues import CUES, CueConfig
-from igrip.geometry.scene import Geometry, RayConfig, Scene, ray_pattern
+from igrip.geometry.cones import ray_pattern
+from igrip.geometry.cylinder import Cylinders
+from igrip.geometry.scene import Geometry, RayConfig, Scene
 from igrip.grips.cylinder import is_pinch
 from igrip.lab.evaluation.trials import score_trial
 from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter
@@ -157,7 +159,7 @@ def geometry_of(case):
         half_length=none,
         spread=float(gaps.max()) if len(centres) > 1 else np.nan,
         surfaces=lambda: np.stack([none, none]),
-        cylinders=lambda: np.empty((len(centres), 0)),
+        cylinders=lambda: Cylinders.zeros(len(centres)),
     )
 
 

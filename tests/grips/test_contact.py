@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from igrip.geometry import cylinder
+from igrip.geometry.cylinder import Cylinders
 from igrip.grips import GRIPS, GripConfig
-from igrip.grips.contact import INPUTS, TERMS, approach_of, pinch_odds, weights
+from igrip.grips.contact import INPUTS, TERMS, approaches, pinch_odds, weights
 from igrip.targets import TargetEstimate
 from reaching import at, intentions_of, reach_messages
 
@@ -17,10 +17,11 @@ PLACE = {"can": np.array([0.0, 0.4, 0.05])}
 
 def approached(position, velocity):
     """Return the inputs for an upright cylinder at the origin, half-length 0.1, radius 0.03."""
-    rows = np.zeros((1, cylinder.WIDTH))
-    rows[0, 3:8] = 0.0, 0.0, 1.0, 0.1, 0.03
-    inputs = np.empty((1, len(INPUTS)))
-    approach_of(np.array(position), np.array(velocity), rows, inputs)
+    upright = Cylinders.of(
+        np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.array([0.1]), np.array([0.03]),
+        np.zeros((1, 3)),
+    )  # fmt: skip
+    inputs = approaches(np.array(position), np.array(velocity), upright)
     return dict(zip(INPUTS, inputs[0], strict=True))
 
 
@@ -42,8 +43,7 @@ def test_upside_down_is_the_same():
 def test_log_odds_are_the_polynomial_of_the_terms():
     rng = np.random.default_rng(0)
     inputs, values = rng.normal(size=(5, len(INPUTS))), rng.normal(size=len(TERMS))
-    odds = np.empty(5)
-    pinch_odds(inputs, values, odds)
+    odds = pinch_odds(inputs, values)
     named = dict(zip(TERMS, values, strict=True))
     for row, found in zip(inputs, odds, strict=True):
         known = dict(zip(INPUTS, row, strict=True)) | {"1": 1.0}

@@ -35,7 +35,7 @@ def test_border():
     assert select(0, [0.0849], [0.1]).name == "palmar"
     assert select(0, [0.0], [0.1]).name == "palmar"
     assert select(0, [0.5], [0.1]).name == "pinch"
-    assert select(0, [0.06], [0.1], pinch_from=0.5).name == "pinch"
+    assert select(0, [0.06], [0.1], pinch_threshold=0.5).name == "pinch"
     assert is_pinch(np.array([0.0, 0.09]), np.array([0.1, 0.1]), 0.85).tolist() == [False, True]
 
 

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from igrip.mesh.bvh import build_bvh
-from igrip.mesh.inscribed_spheres import BALLS, inscribed_spheres, is_closed
+from igrip.mesh.inscribed_spheres import MAX_SPHERES, inscribed_spheres, is_closed
 from oracle import meshes
 from support import PAPER
 
@@ -51,7 +51,7 @@ def test_they_lie_inside_and_rays_through_them_meet(mesh):
 @pytest.mark.parametrize("name", PAPER)
 def test_real_objects_have_them(ycb, name):
     model = ycb[name]
-    balls = model.balls[model.balls[:, 3] > 0.0]
+    balls = model.inscribed_spheres[model.inscribed_spheres[:, 3] > 0.0]
     assert len(balls) >= 3
     assert balls[0, 3] > 0.5 * min(model.radius, 0.04)
     corners = model.vertices[model.faces]
@@ -72,7 +72,7 @@ def test_an_open_mesh_has_none():
     assert not is_closed(vertices, lidless)
     balls = inscribed_spheres(vertices, lidless, build_bvh(vertices, lidless))
     assert (balls[:, 3] == -1.0).all()
-    assert balls.shape == (BALLS, 4)
+    assert balls.shape == (MAX_SPHERES, 4)
 
 
 def test_a_seam_of_equal_vertices_is_no_border():

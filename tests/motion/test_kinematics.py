@@ -12,10 +12,10 @@ TIME_CONSTANT = 0.06
 
 def fitted(times, points):
     """Return position, velocity, acceleration after the last sample."""
-    state, out = np.zeros(kinematics.STATE), np.zeros(kinematics.RESULT)
+    state, out = kinematics.new_fit()
     for t, (x, y, z) in zip(times, points, strict=True):
-        kinematics.step(state, t, x, y, z, TIME_CONSTANT, out)
-    return out.reshape(3, 3)
+        kinematics.update_fit(state, t, x, y, z, TIME_CONSTANT, out)
+    return out
 
 
 def oracle(times, points):
@@ -23,7 +23,10 @@ def oracle(times, points):
     age = (np.array(times) - times[-1]) / TIME_CONSTANT
     weight = np.sqrt(np.exp(age))
     design = np.stack([age**0, age, age**2], axis=1) * weight[:, None]
-    prior = [[0.0, np.sqrt(kinematics.STILL), 0.0], [0.0, 0.0, np.sqrt(kinematics.STRAIGHT)]]
+    prior = [
+        [0.0, np.sqrt(kinematics.VELOCITY_PRIOR), 0.0],
+        [0.0, 0.0, np.sqrt(kinematics.ACCELERATION_PRIOR)],
+    ]
     target = np.concatenate([(points - points[-1]) * weight[:, None], np.zeros((2, 3))])
     c, *_ = np.linalg.lstsq(np.concatenate([design, prior]), target, rcond=None)
     return np.stack([c[0] + points[-1], c[1] / TIME_CONSTANT, 2.0 * c[2] / TIME_CONSTANT**2])

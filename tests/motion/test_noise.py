@@ -13,11 +13,10 @@ from igrip.motion import noise
 
 def estimated(times, points, memory=1.0, first=0.002):
     """Return the standard deviation after the last sample [m]."""
-    state = np.zeros(noise.STATE)
-    state[noise.VARIANCE] = first**2
+    state = noise.new_noise(first**2)
     for t, p in zip(times, points, strict=True):
-        noise.watch(state, t, *p, memory)
-    return math.sqrt(state[noise.VARIANCE])
+        noise.update_noise(state, t, *p, memory)
+    return math.sqrt(noise.variance_of(state))
 
 
 @pytest.mark.parametrize("rate", [15.0, 30.0, 120.0])

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from igrip.lab.simulation.minimum_jerk import reach
-from igrip.motion import reach_detection as module
 from igrip.motion.reach_detection import ReachConfig, ReachDetector
+from igrip.motion.reach_kernel import MAX_POINTS
 
 START, GOAL = np.array([0.1, 0.0, 0.05]), np.array([0.1, 0.4, 0.05])
 RATES = (15.0, 30.0, 60.0, 120.0)
@@ -101,7 +101,7 @@ def test_start_peak_and_path_do_not_hang_on_the_rate(rate):
     assert one.moving
     assert one.start == pytest.approx(START, abs=0.01)
     assert one.peak_speed == pytest.approx(1.875 * 0.4, rel=0.1)
-    assert one.state[module.PATH] == pytest.approx(0.4, rel=0.05)
+    assert one.path_length == pytest.approx(0.4, rel=0.05)
     assert one.onset == pytest.approx(0.6, abs=0.1)
     assert one.elapsed == pytest.approx(0.9, abs=0.15)
 
@@ -150,7 +150,7 @@ def test_a_long_movement_keeps_points_over_all_of_it():
     times = np.arange(0.0, 20.0, 1.0 / 60.0)
     around = np.stack([np.sin(2.0 * times), np.cos(2.0 * times), 0.0 * times], axis=1)
     kept = followed(times, 0.3 * around)[-1].points[:, 0]
-    assert len(kept) <= module.MAX_POINTS
+    assert len(kept) <= MAX_POINTS
     assert (np.diff(kept) > 0.0).all()
     assert kept[0] < 1.0
     assert kept[-1] == times[-1]
@@ -171,6 +171,6 @@ def test_it_is_causal_and_a_shifted_clock_changes_nothing():
     times, points = a_reach(30.0, noise=0.003, seed=3)
     whole = [one.phase for one in followed(times, points)]
     assert [one.phase for one in followed(times[:25], points[:25])] == whole[:25]
-    config = ReachConfig(dwell=0.09)  # no multiple of the time between two frames
+    config = ReachConfig(min_rest_duration=0.09)  # no multiple of the time between two frames
     here = [one.phase for one in followed(times, points, config)]
     assert [one.phase for one in followed(times + 1e6, points, config)] == here

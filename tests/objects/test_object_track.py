@@ -28,8 +28,8 @@ def seen(track, now, position, turn=None, **more):
 
 def velocity(track, lever):
     """Return the velocity of a point, given relative to the object's origin in the world."""
-    local = track.place(np.zeros(3))[:3].T @ lever
-    return track.place(local)[5]
+    local = track.place(np.zeros(3)).rotation.T @ lever
+    return track.place(local).velocity
 
 
 def test_pose_agrees_with_the_oracle(shapes):
@@ -47,8 +47,10 @@ def test_pose_agrees_with_the_oracle(shapes):
     ours = track(shapes)
     for k in range(30):
         seen(ours, times[k] + 0.05, points[k], turns[k], t=times[k])
-        assert ours.place(np.zeros(3))[3] == pytest.approx(expected[k], rel=1e-9, abs=1e-12)
-        assert ours.place(np.zeros(3))[:3] == pytest.approx(rotations[k].as_matrix(), abs=1e-9)
+        assert ours.place(np.zeros(3)).translation == pytest.approx(
+            expected[k], rel=1e-9, abs=1e-12
+        )
+        assert ours.place(np.zeros(3)).rotation == pytest.approx(rotations[k].as_matrix(), abs=1e-9)
 
 
 def test_not_seen_yet_and_unknown(shapes):
@@ -119,7 +121,7 @@ def test_a_refused_pose_is_named_and_the_last_good_one_kept(shapes):
     seen(ours, 1.1, (5.0, 0.0, 0.0))
     assert "jumped" in ours.fault
     assert ours.reason is None
-    assert ours.place(np.zeros(3))[3].tolist() == [0.1, 0.0, 0.0]
+    assert ours.place(np.zeros(3)).translation.tolist() == [0.1, 0.0, 0.0]
     ours.advance(3.2)
     assert ours.reason is not None  # it is as old as its last good pose
     seen(ours, 3.3, (0.1, 0.0, 0.0))
@@ -152,8 +154,8 @@ def test_after_a_gap_the_filters_begin_anew(shapes):
     for k in range(5):
         seen(ours, 1.0 + k / 12, (0.01 * k, 0.0, 0.0))
     seen(ours, 9.0, (3.0, 1.0, 0.0), Rotation.from_rotvec([1.0, 0.0, 0.0]))
-    assert ours.place(np.zeros(3))[3].tolist() == [3.0, 1.0, 0.0]
-    assert ours.place(np.zeros(3))[:3] == pytest.approx(
+    assert ours.place(np.zeros(3)).translation.tolist() == [3.0, 1.0, 0.0]
+    assert ours.place(np.zeros(3)).rotation == pytest.approx(
         Rotation.from_rotvec([1.0, 0, 0]).as_matrix()
     )
     assert velocity(ours, np.zeros(3)).tolist() == [0.0, 0.0, 0.0]

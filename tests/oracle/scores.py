@@ -19,13 +19,13 @@ def distance_derivative(rates, speed, min_speed=0.03):
     return np.zeros_like(rates) if speed < min_speed else -rates / speed
 
 
-def closeness(distances, centres, single_spread=0.5):
+def closeness(distances, centres, default_spread=0.5):
     """1 - min(d / d_max, 1), d_max the largest distance between two centres."""
     centres = np.asarray(centres, dtype=float)
     d_max = max(
         (np.linalg.norm(a - b) for i, a in enumerate(centres) for b in centres[:i]), default=0.0
     )
-    d_max = d_max if d_max > 1e-6 else single_spread
+    d_max = d_max if d_max > 1e-6 else default_spread
     return 1.0 - np.minimum(np.asarray(distances, dtype=float) / d_max, 1.0)
 
 

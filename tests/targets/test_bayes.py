@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import igrip
-from igrip.targets.bayes import NONE_AT_REST, pool, resting
+from igrip.targets.bayes import MIN_NONE_AT_REST, pool, resting_posterior
 from reaching import SPREAD, START, TWO, at, intentions_of, reach_messages
 from support import CAN, UPRIGHT
 
@@ -141,30 +141,32 @@ def test_turning_the_world_or_renaming_changes_nothing(shapes):
 
 
 def test_pooling_is_the_stated_formula():
-    belief, scores, keep, change = np.array([0.2, 0.3, 0.5]), np.array([1.0, -2.0]), 0.7, 0.01
-    logs = keep * np.log((1 - change) * belief + change / 3) + (1 - keep) * np.array([1.0, -2.0, 0])
-    pool(belief, scores, keep, change)
-    assert belief == pytest.approx(np.exp(logs) / np.exp(logs).sum())
+    posterior, scores, keep, change = np.array([0.2, 0.3, 0.5]), np.array([1.0, -2.0]), 0.7, 0.01
+    logs = keep * np.log((1 - change) * posterior + change / 3) + (1 - keep) * np.array(
+        [1.0, -2.0, 0]
+    )
+    pool(posterior, scores, keep, change)
+    assert posterior == pytest.approx(np.exp(logs) / np.exp(logs).sum())
 
 
 def test_no_score_makes_it_other_than_a_probability():
-    belief = resting(3)
+    posterior = resting_posterior(3)
     for scores in ([800.0, -800.0, 0.0], [-800.0, -800.0, -800.0], [800.0, 800.0, 800.0]):
-        pool(belief, np.array(scores), 0.1, 1e-3)
-        assert np.isfinite(belief).all()
-        assert belief.sum() == pytest.approx(1.0, abs=1e-5)
+        pool(posterior, np.array(scores), 0.1, 1e-3)
+        assert np.isfinite(posterior).all()
+        assert posterior.sum() == pytest.approx(1.0, abs=1e-5)
 
 
 def test_at_rest_none_is_likelier_than_any_object():
     for objects in (1, 2, 100):
-        belief = resting(objects)
-        assert belief.sum() == pytest.approx(1.0)
-        assert belief[-1] >= NONE_AT_REST
-        assert belief[-1] >= 1.9 * belief[:-1].max()
-    assert resting(0).tolist() == [1.0]
+        posterior = resting_posterior(objects)
+        assert posterior.sum() == pytest.approx(1.0)
+        assert posterior[-1] >= MIN_NONE_AT_REST
+        assert posterior[-1] >= 1.9 * posterior[:-1].max()
+    assert resting_posterior(0).tolist() == [1.0]
 
 
-def test_two_hands_have_a_belief_each(shapes):
+def test_two_hands_have_a_posterior_each(shapes):
     messages, _, end = reach_messages(SPREAD["right"], SPREAD)
     for message in messages:
         message["hands"]["left"] = {"position": [-0.3, 0.0, 0.05]}
@@ -184,9 +186,9 @@ def test_a_hand_that_rests_in_noise_is_given_nothing(shapes, rate, noise):
     messages, *_ = reach_messages(
         SPREAD["left"], SPREAD, rate, rest=20.0, lasts=0.5, hold=0.0, noise=noise, seed=2
     )
-    resting_ = [i for i in intentions_of(messages, shapes) if 1.0 < i.t < 19.9]
-    assert np.mean([likeliest(i) == "none" for i in resting_]) > 0.99
-    assert not any(i.commitment for i in resting_)
+    at_rest = [i for i in intentions_of(messages, shapes) if 1.0 < i.t < 19.9]
+    assert np.mean([likeliest(i) == "none" for i in at_rest]) > 0.99
+    assert not any(i.commitment for i in at_rest)
 
 
 @pytest.mark.parametrize("rate", [15.0, 60.0])

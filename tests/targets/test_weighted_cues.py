@@ -54,22 +54,22 @@ def test_weights_by_hand(speed, peak, paper, repaired):
 def test_weighted_mean(kind, columns, speed, peak):
     table = np.array(columns)
     cues = {name: table[:, k] for k, name in enumerate(METRICS)}
-    belief = TARGETS.get(kind)().update(motion(speed, peak), geometry(len(table)), cues)
+    estimate = TARGETS.get(kind)().update(motion(speed, peak), geometry(len(table)), cues)
     expected = scores.combined(kind, cues, speed, peak)
-    assert belief.scores == pytest.approx(expected, abs=1e-12)
-    assert belief.probability is None
+    assert estimate.scores == pytest.approx(expected, abs=1e-12)
+    assert estimate.probability is None
     gap = np.sort(expected)[::-1]
     if gap[0] > 1e-9 and (len(gap) == 1 or gap[0] - gap[1] > 1e-9):
-        assert belief.target == scores.target(expected)
+        assert estimate.target == scores.target(expected)
 
 
 @pytest.mark.parametrize("name", METRICS)
 def test_a_single_cue_decides_alone(name):
     cues = {other: np.array([0.9, 0.1, 0.0]) for other in METRICS}
     cues[name] = np.array([0.1, 0.2, 0.15])
-    belief = TARGETS.get(name)().update(motion(), geometry(), cues)
-    assert belief.target == 1
-    assert belief.scores.tolist() == [0.1, 0.2, 0.15]
+    estimate = TARGETS.get(name)().update(motion(), geometry(), cues)
+    assert estimate.target == 1
+    assert estimate.scores.tolist() == [0.1, 0.2, 0.15]
 
 
 @pytest.mark.parametrize(

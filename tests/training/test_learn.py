@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from igrip.targets.bayes import WEIGHTS
-from igrip.targets.learned.features import LOCAL, SHARED
+from igrip.targets.learned.features import LOCAL, SHARED, Features
 from igrip.targets.learned.network import INPUTS, read_scorer
 from training import learn
 from training.grip import fit_grip, terms_of
@@ -130,5 +130,5 @@ def test_training_and_use_read_the_weights_alike():
     together = scores_of(shipped, inputs_of(moments), moments.frame)
     for n in range(40):
         rows = moments.frame == n
-        alone = shipped.score(moments.local[rows], moments.shared[n])
+        alone = shipped.score(Features(moments.local[rows], moments.shared[n]))
         assert together[rows] == pytest.approx(alone, rel=1e-9)

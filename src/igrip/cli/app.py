@@ -47,7 +47,7 @@ COMMANDS = {
     ),
     "view": Command(
         "view:view",
-        "Look at a recording in the browser: play, pause, step, and go to any moment.",
+        "Look at a recording in the browser: play, pause, step, and go to any time.",
     ),
     "live": Command(
         "live:live",

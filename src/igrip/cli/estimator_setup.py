@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from igrip.commitment import EVERY, CommitmentConfig
+from igrip.commitment import ALL_HANDS, CommitmentConfig
 from igrip.config import Config
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
@@ -44,7 +44,7 @@ def estimator_config(
 ) -> Config:
     """Return the configuration of an estimator that these options ask for."""
     commitment = CommitmentConfig(
-        assisted=tuple(assisted) if assisted else EVERY, reliability=reliability,
+        assisted=tuple(assisted) if assisted else ALL_HANDS, reliability=reliability,
         needs_confirmation=confirm,
     )  # fmt: skip
     return Config(commitment=commitment, targets=targets or Config().targets)

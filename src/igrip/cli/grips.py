@@ -39,7 +39,7 @@ def grips(
     catalog = load_objects(*objects)
     default = PAPER_OBJECTS if set(PAPER_OBJECTS) <= set(catalog) else tuple(catalog)
     chosen = [catalog[name] for name in models or default]
-    pinch_from = Config().grip.pinch_from
+    pinch_from = Config().grip.pinch_threshold
     borders = {model.name: pinch_from * 0.5 * model.length for model in chosen}
     if out is not None:
         draw_grip_zones(chosen, pinch_from, out)

@@ -1,4 +1,4 @@
-"""What a cue is: a pure function from the motion of a hand to a score of every object."""
+"""Cues: pure functions from the motion of a hand to a score of every object."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class CueConfig(Settings):
 
     distance: Literal["vertex", "surface"] = "vertex"  # the paper: vertex (SPEC §4)
     min_speed: float = quantity(
-        0.03, "m/s", "below it the derivative of the distance scores 0", "SPEC §5; guess", ge=0
+        0.03, "m/s", "the distance derivative of a slower hand scores 0", "SPEC §5; guess", ge=0
     )
-    single_spread: float = quantity(
-        0.5, "m", "d_max where there is one object, or all are in one place", "SPEC §5; guess", gt=0
+    default_spread: float = quantity(
+        0.5, "m", "d_max if there is one object, or all are at one place", "SPEC §5; guess", gt=0
     )
 
     def spread(self, geometry: Geometry) -> float:
         """Return d_max, the length that distances are compared with [m]."""
         # a NaN (fewer than two objects) fails the comparison as well
-        return geometry.spread if geometry.spread > 1e-6 else self.single_spread
+        return geometry.spread if geometry.spread > 1e-6 else self.default_spread
 
 
 @dataclass(frozen=True, slots=True)

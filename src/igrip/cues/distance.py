@@ -24,6 +24,6 @@ def distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
     d is the distance to the nearest vertex (the paper) or surface point. The paper prints ``max``,
     which makes every value ≤ 0 (SPEC §5).
     """
-    away = geometry.vertex if config.distance == "vertex" else geometry.surface
-    scores: Scores = closeness(away, config.spread(geometry))
+    distances = geometry.vertex if config.distance == "vertex" else geometry.surface
+    scores: Scores = closeness(distances, config.spread(geometry))
     return scores

@@ -27,7 +27,7 @@ def directness(rates: Scores, speed: float) -> Scores:
 
 @cue("distance_derivative", order=1)
 def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
-    """Score ``-ḋ / v``, in [-1, 1] for resting objects; 0 below a least speed.
+    """Score ``-ḋ / v``, in [-1, 1] for resting objects; 0 below ``min_speed``.
 
     d is the distance to the centre of gravity. The paper prints ``ḋ / v``, which would choose the
     object that recedes fastest (SPEC §5).

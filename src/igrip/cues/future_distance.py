@@ -14,6 +14,6 @@ def future_distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Sc
 
     The paper prints ``max``, as for the distance (SPEC §5).
     """
-    near = geometry.future_vertex if config.distance == "vertex" else geometry.future_surface
-    scores: Scores = closeness(near, config.spread(geometry))
+    distances = geometry.future_vertex if config.distance == "vertex" else geometry.future_surface
+    scores: Scores = closeness(distances, config.spread(geometry))
     return scores

@@ -1,26 +1,59 @@
-"""Cones of rays: their frame, their rays, and what they cannot meet. In the frame of a mesh."""
+"""Cones of rays: their frame, their rays, and tests of what they cannot meet. Mesh frame."""
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 
-# columns of a description of cones, see igrip.geometry.kernel.measure
-SLOW, SLOW_ANGLE, FAST, FAST_ANGLE, LEAST = 0, 1, 2, 3, 4
+Array = NDArray[np.float64]
+GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
+
+
+class Cones(NamedTuple):
+    """The cones of rays of a :class:`igrip.geometry.scene.RayConfig`.
+
+    Attributes
+    ----------
+    pattern : (r, 2)
+        Rays of a cone on the unit disc; the first is the axis.
+    slow_speed, slow_angle, fast_speed, fast_angle : float
+        Half-angle by speed [m/s, rad].
+    min_speed : float
+        A slower point has no cone [m/s].
+    """
+
+    pattern: Array
+    slow_speed: float
+    slow_angle: float
+    fast_speed: float
+    fast_angle: float
+    min_speed: float
+
+
+def ray_pattern(rays: int) -> Array:
+    """Return points on the unit disc, evenly spread, the first its centre, shape (rays, 2)."""
+    k = np.arange(rays)
+    radius = np.sqrt(k / max(1, rays - 1))
+    angle = GOLDEN_ANGLE * np.maximum(0, k - 1)  # the first ray off the axis leans along u
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
 
 
 @kernel
-def cone_tangent(speed, cone):
+def cone_tangent(speed, slow_speed, slow_angle, fast_speed, fast_angle):
     """Return the tangent of the half-angle of the cone at a local speed, interpolated linearly."""
-    part = (speed - cone[SLOW]) / (cone[FAST] - cone[SLOW])
+    part = (speed - slow_speed) / (fast_speed - slow_speed)
     part = min(1.0, max(0.0, part))
-    return np.tan(cone[SLOW_ANGLE] + part * (cone[FAST_ANGLE] - cone[SLOW_ANGLE]))
+    return np.tan(slow_angle + part * (fast_angle - slow_angle))
 
 
 @kernel
 def _perpendicular(ax, ay, az, wx, wy, wz):
-    """Return the unit part of w at right angles to the unit vector a, and whether there is one."""
+    """Return the unit component of w perpendicular to the unit vector a, and whether it exists."""
     along = ax * wx + ay * wy + az * wz
     ux, uy, uz = wx - along * ax, wy - along * ay, wz - along * az
     length = np.sqrt(ux * ux + uy * uy + uz * uz)
@@ -34,9 +67,9 @@ def _perpendicular(ax, ay, az, wx, wy, wz):
 def cone_frame(p, v, sphere, axis, frame):
     """Place a cone: its axis along v, its roll fixed by the object alone.
 
-    The ray pattern has to be turned somehow about the axis. Anything tied to the world would make
-    the number of impacts depend on how the world is turned, so the first ray of the pattern leans
-    towards the centre of the object.
+    The ray pattern needs a roll about the axis. A roll tied to the world would make the number of
+    impacts depend on the world's orientation, so the first ray of the pattern leans towards the
+    centre of the object (docs/decisions/0001-roll-of-the-cones.md).
 
     Parameters
     ----------
@@ -47,7 +80,7 @@ def cone_frame(p, v, sphere, axis, frame):
     axis : (3, 3)
         Object axes by columns, a fallback where the centre lies on the cone's axis.
     frame : (3, 3), written
-        Rows: the unit axis and two unit vectors at right angles to it.
+        Rows: the unit axis and two unit vectors u, v perpendicular to it.
     """
     speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     ax, ay, az = v[0] / speed, v[1] / speed, v[2] / speed
@@ -94,7 +127,7 @@ def cone_can_meet(v, tangent, p, sphere):
 
 @kernel
 def sphere_from(frame, p, sphere):
-    """Return a sphere as :func:`ray_can_meet` wants it, seen from the apex ``p`` of a cone."""
+    """Return the arguments of :func:`ray_can_meet` for a sphere and a cone with apex ``p``."""
     ahead = aside = across = 0.0
     gap2 = -sphere[3] * sphere[3]
     for axis in range(3):
@@ -110,8 +143,8 @@ def sphere_from(frame, p, sphere):
 def ray_can_meet(ahead, aside, across, gap2, a, b):
     """Whether the ray ``axis + a u + b v`` can meet a sphere, before it is even computed.
 
-    ``ahead, aside, across`` are the parts of the sphere's centre, seen from the apex, along axis, u
-    and v; ``gap2`` is its squared distance less the squared radius.
+    ``ahead, aside, across`` are the coordinates of the sphere's centre relative to the apex, along
+    the cone's axis, u and v; ``gap2`` is its squared distance minus the squared radius.
     """
     if gap2 <= 0.0:
         return True

@@ -1,21 +1,26 @@
-"""When a predicted path comes within grasping distance of a mesh."""
+"""Time at which a predicted path comes within grasping distance of a mesh."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.geometry.object_frame import distance, distance2, to_mesh
+from igrip.geometry.packed_models import ModelArrays
 from igrip.mesh.bvh import STACK
 from igrip.mesh.nearest import nearest
 
-STEPS = 400  # a path is followed in steps of at least this part of the horizon
-NEAR = 1e-4  # of the reach: this near is there [m]
-FAR = 0.05  # further than this from a bounding sphere the sphere will do [m]
+Array = NDArray[np.float64]
+MAX_STEPS = 400  # a path is followed in steps of at least this part of the horizon
+TOLERANCE = 1e-4  # m; of the distance at contact
+SPHERE_MARGIN = 0.05  # m; further than this from a bounding sphere the sphere stands for the mesh
 
 
-@kernel
-def approach(bvh, start, sphere, rotation, translation, coefficients, reach, limit, out):
+def approach(
+    models: ModelArrays, model: int, rotation: Array, translation: Array, coefficients: Array,
+    reach: float, horizon: float,
+) -> tuple[float, Array]:  # fmt: skip
     """Find when a predicted path first comes within ``reach`` of the surface of one mesh.
 
     Conservative advancement: within a time h the path cannot lead further than
@@ -24,15 +29,37 @@ def approach(bvh, start, sphere, rotation, translation, coefficients, reach, lim
 
     Parameters
     ----------
-    bvh, start, sphere, rotation, translation
-        The mesh, its bounding sphere and its pose, as for :func:`igrip.geometry.kernel.measure`.
+    models, model : ModelArrays, int
+        The mesh.
+    rotation, translation : (3, 3), (3,)
+        World-from-mesh pose [m].
     coefficients : (3, 3)
         Path c0 + c1 s + c2 s², world frame.
-    reach, limit : float
+    reach, horizon : float
         Distance [m] and latest time [s].
-    out : (4,), written
-        Time [s] (NaN: not before the limit) and the nearest surface point, mesh frame [m].
+
+    Returns
+    -------
+    time : float
+        [s]; NaN if not before the horizon.
+    point : (3,)
+        The nearest surface point then, mesh frame [m].
     """
+    out = np.empty(4)
+    _approach(
+        models.boxes, models.links, models.triangles, models.starts[model], models.spheres[model],
+        rotation, translation, coefficients, reach, horizon, out,
+    )  # fmt: skip
+    return float(out[0]), out[1:]
+
+
+@kernel
+def _approach(
+    boxes, links, triangles, start, sphere, rotation, translation, coefficients, reach, horizon,
+    out,
+):  # fmt: skip
+    """Write time and point of :func:`approach` to ``out``, shape (4,)."""
+    out[0] = np.nan
     stack = np.empty(STACK, dtype=np.int32)
     near_stack = np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
@@ -43,8 +70,7 @@ def approach(bvh, start, sphere, rotation, translation, coefficients, reach, lim
     bend = np.sqrt(bend)
     s = 0.0
     x = y = z = np.inf
-    out[0] = np.nan
-    least = limit / STEPS
+    min_step = horizon / MAX_STEPS
     outside, inside = 0.0, np.inf  # between these times the border is crossed
     while True:
         speed = 0.0
@@ -57,21 +83,21 @@ def approach(bvh, start, sphere, rotation, translation, coefficients, reach, lim
         to_mesh(rotation, translation, world, p)
         # far away the gap to the sphere is nearly as long as that to the mesh, and costs no search
         left = distance(p, sphere) - sphere[3] - reach
-        if left < FAR:
+        if left < SPHERE_MARGIN:
             # what was nearest a step ago bounds what is nearest now
             surface, x, y, z = nearest(
-                bvh.boxes, bvh.links, bvh.leaves, start[0], start[1],
+                boxes, links, triangles, start[0], start[1],
                 p[0], p[1], p[2], distance2(p, x, y, z), stack, near_stack, counters,
             )  # fmt: skip
             left = surface - reach
-        if left <= NEAR:
+        if left <= TOLERANCE:
             inside = s
-            if left >= 0.0 or inside - outside <= 1e-3 * least:
+            if left >= 0.0 or inside - outside <= 1e-3 * min_step:
                 out[0], out[1], out[2], out[3] = s, x, y, z
                 return
         else:
             outside = s
-        if inside < np.inf:  # a least step led too far in: back to the border
+        if inside < np.inf:  # a minimal step led too far in: back to the border
             s = 0.5 * (outside + inside)
             continue
         # the positive root of |c2| h² + |v| h = left, in the form that loses no digits
@@ -79,6 +105,6 @@ def approach(bvh, start, sphere, rotation, translation, coefficients, reach, lim
         if not root > 1e-9:
             return
         # a shallow approach would creep, each step a part of the last
-        s += max(2.0 * left / root, least)
-        if not s <= limit:
+        s += max(2.0 * left / root, min_step)
+        if not s <= horizon:
             return

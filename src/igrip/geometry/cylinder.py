@@ -1,16 +1,97 @@
-"""The bounding cylinders of a frame's objects, in the world."""
+"""Bounding cylinders of a frame's objects, in the world."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from igrip.compiled import kernel
 
-# columns
-MIDDLE, AXIS, HALF_LENGTH, RADIUS, VELOCITY, WIDTH = 0, 3, 6, 7, 8, 11
+Array = NDArray[np.float64]
+
+
+# columns, used in this file alone
+CENTRE, AXIS, HALF_LENGTH, RADIUS, VELOCITY, WIDTH = 0, 3, 6, 7, 8, 11
+
+
+class Cylinders(NamedTuple):
+    """The cylinders of a frame's objects, in the order of the objects. World frame.
+
+    Attributes
+    ----------
+    rows : (o, 11)
+        As this file lays them out, read by the properties, and in kernels by :func:`centre_of` etc.
+    """
+
+    rows: Array
+
+    @classmethod
+    def zeros(cls, count: int) -> Cylinders:
+        """Return ``count`` cylinders, to be placed."""
+        return cls(np.zeros((count, WIDTH)))
+
+    @classmethod
+    def of(
+        cls, centre: Array, axis: Array, half_length: Array, radius: Array, velocity: Array
+    ) -> Cylinders:
+        """Return the cylinders with these properties."""
+        return cls(np.column_stack([centre, axis, half_length, radius, velocity]))
+
+    @property
+    def centre(self) -> Array:
+        """Mid-points, shape (o, 3) [m]."""
+        return self.rows[:, CENTRE : CENTRE + 3]
+
+    @property
+    def axis(self) -> Array:
+        """Unit axes, shape (o, 3)."""
+        return self.rows[:, AXIS : AXIS + 3]
+
+    @property
+    def half_length(self) -> Array:
+        """Half the lengths, shape (o,) [m]."""
+        return self.rows[:, HALF_LENGTH]
+
+    @property
+    def radius(self) -> Array:
+        """Radii, shape (o,) [m]."""
+        return self.rows[:, RADIUS]
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities of the objects, shape (o, 3) [m/s]."""
+        return self.rows[:, VELOCITY : VELOCITY + 3]
+
+
+@kernel
+def centre_of(row):
+    """Return the mid-point of one cylinder, shape (3,) [m]; a view."""
+    return row[CENTRE : CENTRE + 3]
+
+
+@kernel
+def axis_of(row):
+    """Return the unit axis of one cylinder, shape (3,); a view."""
+    return row[AXIS : AXIS + 3]
+
+
+@kernel
+def size_of(row):
+    """Return half-length and radius of one cylinder [m]."""
+    return row[HALF_LENGTH], row[RADIUS]
+
+
+@kernel
+def velocity_of(row):
+    """Return the velocity of one cylinder, shape (3,) [m/s]; a view."""
+    return row[VELOCITY : VELOCITY + 3]
 
 
 @kernel
 def place_cylinders(models, axes, origins, sizes, rotations, translations, velocities, out):
-    """Write mid-point, unit axis, half-length, radius and velocity of each object's cylinder.
+    """Write the cylinder of each object.
 
     Parameters
     ----------
@@ -23,7 +104,7 @@ def place_cylinders(models, axes, origins, sizes, rotations, translations, veloc
     rotations : (o, 3, 3), translations : (o, 3), velocities : (o, 3)
         World-from-mesh pose of each object [m], and its velocity [m/s].
     out : (o, 11), written
-        World frame [m, m/s].
+        The rows of :class:`Cylinders`.
     """
     for o in range(models.shape[0]):
         mesh = models[o]
@@ -32,7 +113,7 @@ def place_cylinders(models, axes, origins, sizes, rotations, translations, veloc
             for column in range(3):
                 middle += rotations[o, row, column] * origins[mesh, column]
                 axis += rotations[o, row, column] * axes[mesh, column, 2]
-            out[o, MIDDLE + row] = middle
+            out[o, CENTRE + row] = middle
             out[o, AXIS + row] = axis
             out[o, VELOCITY + row] = velocities[o, row]
         out[o, HALF_LENGTH] = sizes[mesh, 0]

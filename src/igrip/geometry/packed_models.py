@@ -1,4 +1,4 @@
-"""The trees of several meshes as the kernel reads them: one after the other in the same arrays."""
+"""Meshes as the kernels read them: the trees of all, one after the other in the same arrays."""
 
 from __future__ import annotations
 
@@ -9,10 +9,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.mesh.bvh import Bvh
-from igrip.mesh.inscribed_spheres import BALLS
+from igrip.mesh.inscribed_spheres import MAX_SPHERES
 from igrip.objects.model import ObjectModel
 
 Array = NDArray[np.float64]
+
+
+class ModelArrays(NamedTuple):
+    """Several meshes, each in its own frame; kernels find one by its number.
+
+    Attributes
+    ----------
+    boxes, links, triangles : arrays
+        Trees of their triangles, as a :class:`igrip.mesh.bvh.Bvh`.
+    vertex_boxes, vertex_links, vertices : arrays
+        Trees of their vertices, likewise.
+    starts : (m, 4) int64
+        First node and first triangle, first node and first vertex of each.
+    spheres : (m, 4)
+        Bounding sphere of each, centre and radius [m].
+    inscribed_spheres : (m, 8, 4)
+        Spheres inside each, centre and radius [m]; a negative radius: none.
+    axes, origins : (m, 3, 3), (m, 3)
+        Object axes by columns, and origin of the object frame [m].
+    sizes : (m, 2)
+        Half-length and radius of the bounding cylinder of each [m].
+    """
+
+    boxes: NDArray[np.float32]
+    links: NDArray[np.int32]
+    triangles: Array
+    vertex_boxes: NDArray[np.float32]
+    vertex_links: NDArray[np.int32]
+    vertices: Array
+    starts: NDArray[np.int64]
+    spheres: Array
+    inscribed_spheres: Array
+    axes: Array
+    origins: Array
+    sizes: Array
 
 
 class PackedModels(NamedTuple):
@@ -21,48 +56,34 @@ class PackedModels(NamedTuple):
     Attributes
     ----------
     models, number : dict
-        The models by name, and the number of each in what follows.
-    bvh, vertices : Bvh
-        Trees of their triangles and of their vertices.
-    starts, spheres, balls, axes, origins : arrays
-        As :func:`igrip.geometry.kernel.measure` reads them.
-    half_lengths : (m,)
-        Of their bounding cylinders [m].
-    sizes : (m, 2)
-        Half-lengths and radii of these [m].
+        The models by name, and the number of each in the arrays.
+    arrays : ModelArrays
+        For the kernels.
     """
 
     models: dict[str, ObjectModel]
     number: dict[str, int]
-    bvh: Bvh
-    vertices: Bvh
-    starts: NDArray[np.int64]
-    spheres: Array
-    balls: Array
-    axes: Array
-    origins: Array
-    half_lengths: Array
-    sizes: Array
+    arrays: ModelArrays
 
 
 def pack(models: dict[str, ObjectModel]) -> PackedModels:
     """Put the trees of models one after the other."""
-    bvh, triangle_starts = _joined((model.bvh for model in models.values()), 9)
-    vertices, vertex_starts = _joined((model.vertex_tree for model in models.values()), 3)
-    frames = [model.mesh_from_object[:3, :3] for model in models.values()]
-    return PackedModels(
-        models=models,
-        number={name: number for number, name in enumerate(models)},
-        bvh=bvh,
-        vertices=vertices,
+    every = list(models.values())
+    bvh, triangle_starts = _joined((model.bvh for model in every), 9)
+    vertices, vertex_starts = _joined((model.vertex_tree for model in every), 3)
+    arrays = ModelArrays(
+        *bvh,
+        *vertices,
         starts=np.concatenate([triangle_starts, vertex_starts], axis=1),
-        spheres=np.array([model.sphere for model in models.values()]).reshape(-1, 4),
-        balls=np.array([model.balls for model in models.values()]).reshape(-1, BALLS, 4),
-        axes=np.array(frames).reshape(-1, 3, 3),
-        origins=np.array([model.origin for model in models.values()]).reshape(-1, 3),
-        half_lengths=np.array([0.5 * model.length for model in models.values()]),
-        sizes=np.array([(0.5 * m.length, m.radius) for m in models.values()]).reshape(-1, 2),
+        spheres=np.array([m.sphere for m in every]).reshape(-1, 4),
+        inscribed_spheres=np.array([m.inscribed_spheres for m in every]).reshape(
+            -1, MAX_SPHERES, 4
+        ),
+        axes=np.array([m.mesh_from_object[:3, :3] for m in every]).reshape(-1, 3, 3),
+        origins=np.array([m.origin for m in every]).reshape(-1, 3),
+        sizes=np.array([(0.5 * m.length, m.radius) for m in every]).reshape(-1, 2),
     )
+    return PackedModels(models, {name: number for number, name in enumerate(models)}, arrays)
 
 
 def _joined(trees: Iterable[Bvh], width: int) -> tuple[Bvh, NDArray[np.int64]]:

@@ -1,30 +1,37 @@
-"""The frame's geometry: hands × objects, measured by one call of the compiled kernel."""
+"""Geometry of a frame: hands × objects, measured by one call of the compiled kernel."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
 from igrip.entities import Vector
-from igrip.geometry import contact, cylinder, kernel
+from igrip.geometry import kernel
+from igrip.geometry.cones import Cones, ray_pattern
+from igrip.geometry.contact import approach
+from igrip.geometry.cylinder import Cylinders, place_cylinders
+from igrip.geometry.drawn_rays import cone_impacts
+from igrip.geometry.frame_arrays import HandArrays, ObjectArrays
 from igrip.geometry.packed_models import PackedModels, pack
 from igrip.motion.trajectory import Motion
 from igrip.objects.model import ObjectModel
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]
-GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
+T = TypeVar("T")
 
 
 class RayConfig(Settings):
     """Cones of rays from the predicted points, and the search for contact."""
 
-    rays: int = quantity(36, "1", "rays in a cone, its axis included", "DESIGN §7", ge=1, le=1000)
+    rays_per_cone: int = quantity(
+        36, "1", "rays in a cone, its axis included", "DESIGN §7", ge=1, le=1000
+    )
     slow_speed: float = quantity(0.03, "m/s", "at or below it the cone is widest", "SPEC §4", ge=0)
     slow_angle: float = quantity(
         math.radians(25.0), "rad", "half-angle at slow_speed", "SPEC §4", gt=0, lt=1.5
@@ -42,7 +49,7 @@ class RayConfig(Settings):
     contact_distance: float = quantity(
         0.08, "m", "palm to surface when a grasp closes", "SPEC §9", ge=0
     )
-    contact_horizon: float = quantity(2.0, "s", "contact is looked for until then", "SPEC §9", gt=0)
+    contact_horizon: float = quantity(2.0, "s", "latest predicted contact", "SPEC §9", gt=0)
 
     @model_validator(mode="after")
     def _ordered(self) -> RayConfig:
@@ -100,7 +107,7 @@ class Geometry(NamedTuple):
     surfaces : function
         Measures ``surface`` and ``future_surface``, shape (2, o).
     cylinders : function
-        Places the bounding cylinders, shape (o, 11): see :mod:`igrip.geometry.cylinder`.
+        Places the bounding cylinders (:class:`igrip.geometry.cylinder.Cylinders`).
     """
 
     objects: Sequence[PlacedObject]
@@ -113,7 +120,7 @@ class Geometry(NamedTuple):
     half_length: Array
     spread: float
     surfaces: Callable[[], Array]
-    cylinders: Callable[[], Array]
+    cylinders: Callable[[], Cylinders]
 
     @property
     def surface(self) -> Array:
@@ -144,13 +151,10 @@ class Scene:
 
     def __init__(self, config: RayConfig) -> None:
         self._config = config
-        self._cone = np.array(
-            [
-                config.slow_speed, config.slow_angle, config.fast_speed, config.fast_angle,
-                config.min_speed,
-            ]
+        self._cones = Cones(
+            ray_pattern(config.rays_per_cone), config.slow_speed, config.slow_angle,
+            config.fast_speed, config.fast_angle, config.min_speed,
         )  # fmt: skip
-        self._pattern = ray_pattern(config.rays)
         self._packed = pack({})
         self.counters = np.zeros(3, dtype=np.int64)
 
@@ -168,50 +172,43 @@ class Scene:
         if not hands or not count:
             return [_nothing() for _ in hands]
         packed = self._pack_with(objects)
-        models = np.array([packed.number[o.model.name] for o in objects], dtype=np.int64)
-        poses = _rows([o.rotation for o in objects]), _rows([o.translation for o in objects])
-        centres = _rows([o.centre for o in objects])
-        velocities = _rows([o.velocity for o in objects])
-        positions = _rows([hand.position for hand in hands])
-        futures = _rows([hand.future for hand in hands])
-        hits = np.zeros((len(hands), count), dtype=np.int64)
-        distances = np.empty((3, len(hands), count))
-        centre_rates, axial = np.empty((len(hands), count)), np.empty((len(hands), count))
-        kernel.measure(
-            packed.bvh, packed.vertices, packed.starts, packed.spheres, packed.balls,
-            packed.axes, packed.origins,
-            models, *poses, centres, velocities,
-            positions, _rows([hand.velocity for hand in hands]),
-            futures, _rows([hand.future_velocity for hand in hands]),
-            self._pattern, self._cone, hits, distances, centre_rates, axial, self.counters,
+        models = packed.arrays
+        placed = ObjectArrays(
+            np.array([packed.number[o.model.name] for o in objects], dtype=np.int64),
+            np.array([o.rotation for o in objects]), np.array([o.translation for o in objects]),
+            np.array([o.centre for o in objects]), np.array([o.velocity for o in objects]),
         )  # fmt: skip
+        moving = HandArrays(
+            np.array([hand.position for hand in hands]),
+            np.array([hand.velocity for hand in hands]),
+            np.array([hand.future for hand in hands]),
+            np.array([hand.future_velocity for hand in hands]),
+        )
+        measured = kernel.measure(models, placed, moving, self._cones, self.counters)
 
         def surfaces() -> Array:
-            out = np.empty((2, len(hands), count))
-            kernel.surfaces(
-                packed.bvh, packed.starts, models, *poses, positions, futures, out, self.counters
-            )
-            return out
+            return kernel.surfaces(models, placed, moving, self.counters)
 
-        def cylinders() -> Array:
-            out = np.empty((count, cylinder.WIDTH))
-            cylinder.place_cylinders(
-                models, packed.axes, packed.origins, packed.sizes, *poses, velocities, out
-            )
+        def cylinders() -> Cylinders:
+            out = Cylinders.zeros(count)
+            place_cylinders(
+                placed.models, models.axes, models.origins, models.sizes, placed.rotations,
+                placed.translations, placed.velocities, out.rows,
+            )  # fmt: skip
             return out
 
         both, solids = _Once(surfaces), _Once(cylinders)
-        half_lengths, spread = packed.half_lengths[models], kernel.spread(centres)
+        half_length, spread = models.sizes[placed.models, 0], kernel.spread(placed.centres)
         return [
             Geometry(
                 objects=objects,
-                hits=hits[h],
-                vertex=distances[0, h],
-                future_vertex=distances[1, h],
-                centre=distances[2, h],
-                centre_rate=centre_rates[h],
-                axial=axial[h],
-                half_length=half_lengths,
+                hits=measured.hits[h],
+                vertex=measured.vertex[h],
+                future_vertex=measured.future_vertex[h],
+                centre=measured.centre[h],
+                centre_rate=measured.centre_rate[h],
+                axial=measured.axial[h],
+                half_length=half_length,
                 spread=spread,
                 surfaces=lambda h=h: both()[:, h],  # type: ignore[misc]
                 cylinders=solids,
@@ -229,17 +226,14 @@ class Scene:
             [m]. None: not within the horizon.
         """
         packed = self._pack_with([target])
-        model = packed.number[target.model.name]
-        out = np.empty(4)
-        contact.approach(
-            packed.bvh, packed.starts[model], packed.spheres[model],
-            target.rotation, target.translation,
-            hand.coefficients, self._config.contact_distance, self._config.contact_horizon, out,
+        time, point = approach(
+            packed.arrays, packed.number[target.model.name], target.rotation, target.translation,
+            hand.coefficients, self._config.contact_distance, self._config.contact_horizon,
         )  # fmt: skip
-        if math.isnan(out[0]):
+        if math.isnan(time):
             return None
-        x, y, z = target.rotation @ out[1:] + target.translation
-        return float(out[0]), (float(x), float(y), float(z))
+        x, y, z = target.rotation @ point + target.translation
+        return time, (float(x), float(y), float(z))
 
     def impacts(self, hand: Motion, target: PlacedObject) -> tuple[Array, Array]:
         """Cast the rays of one pair again, to be drawn.
@@ -252,49 +246,29 @@ class Scene:
             To the first impact in units of the direction; infinity for a miss.
         """
         packed = self._pack_with([target])
-        model = packed.number[target.model.name]
-        directions = np.empty((len(hand.future), len(self._pattern), 3))
-        lengths = np.empty((len(hand.future), len(self._pattern)))
-        kernel.cone_impacts(
-            packed.bvh, packed.starts[model], packed.spheres[model], packed.axes[model],
-            target.rotation, target.translation, hand.future, hand.future_velocity,
-            self._pattern, self._cone, directions, lengths,
+        rays: tuple[Array, Array] = cone_impacts(
+            packed.arrays, packed.number[target.model.name], target.rotation, target.translation,
+            hand.future, hand.future_velocity, self._cones,
         )  # fmt: skip
-        return directions, lengths
+        return rays
 
 
-class _Once:
-    """Work that is done when first asked for; ``functools.cache`` takes longer to set up."""
+class _Once(Generic[T]):
+    """A result that is computed on first use; ``functools.cache`` takes longer to set up."""
 
-    def __init__(self, work: Callable[[], Array]) -> None:
-        self._work = work
-        self._done: Array | None = None
+    def __init__(self, compute: Callable[[], T]) -> None:
+        self._compute = compute
+        self._result: T | None = None
 
-    def __call__(self) -> Array:
-        if self._done is None:
-            self._done = self._work()
-        return self._done
-
-
-def ray_pattern(rays: int) -> Array:
-    """Return points on the unit disc, evenly spread, the first its centre, shape (rays, 2)."""
-    k = np.arange(rays)
-    radius = np.sqrt(k / max(1, rays - 1))
-    angle = GOLDEN_ANGLE * np.maximum(0, k - 1)  # the first ray off the axis leans along u
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-
-
-def _rows(arrays: Sequence[Array]) -> Array:
-    """Return a few small arrays as one; ``np.stack`` takes several times as long."""
-    out = np.empty((len(arrays), *arrays[0].shape))
-    for row, array in enumerate(arrays):
-        out[row] = array
-    return out
+    def __call__(self) -> T:
+        if self._result is None:
+            self._result = self._compute()
+        return self._result
 
 
 def _nothing() -> Geometry:
     none, no_hits = np.empty(0), np.empty(0, dtype=np.int64)
-    pair, rows = np.empty((2, 0)), np.empty((0, cylinder.WIDTH))
+    pair, cylinders = np.empty((2, 0)), Cylinders.zeros(0)
     return Geometry(
-        [], no_hits, none, none, none, none, none, none, math.nan, lambda: pair, lambda: rows
+        [], no_hits, none, none, none, none, none, none, math.nan, lambda: pair, lambda: cylinders
     )

@@ -1,4 +1,4 @@
-"""What a grip selector is: from where a hand is beside its target to the grip for it."""
+"""Grip selectors: from the position of a hand beside its target to the grip for it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,12 @@ from igrip.targets import TargetEstimate
 class GripConfig(Settings):
     """Parameters of the grip selectors."""
 
-    pinch_from: float = quantity(
-        0.85, "half-lengths", "a hand this far along the axis pinches", "paper: Eq. 11", gt=0
+    pinch_threshold: float = quantity(
+        0.85,
+        "half-lengths",
+        "a hand at least this far along the axis pinches",
+        "paper: Eq. 11",
+        gt=0,
     )
 
 
@@ -30,8 +34,8 @@ class Grip(NamedTuple):
 class GripSelector(Protocol):
     """Selects the grip of one hand."""
 
-    def select(self, belief: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
-        """Return the grip for the target that is believed in."""
+    def select(self, estimate: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
+        """Return the grip for the estimated target."""
         ...
 
 

@@ -1,9 +1,9 @@
-"""Where will the hand touch? The paper's zones at the predicted place, with a probability.
+"""The paper's grip zones at the predicted place of contact, with a probability.
 
-The paper reads the grip off where the hand is *now* beside its target (``cylinder``). On its way a
-hand is elsewhere than where it will touch: it starts low, and rises over the chord. Here a logistic
-model looks at where the hand is along the object's axis, where it will be, and from which side it
-comes; the answer is averaged over what may be the target.
+The paper selects by the *present* position of the hand beside its target (``cylinder``). On its
+way a hand is not yet where it will touch: it starts low and rises over the chord. Here a logistic
+model reads where the hand is along the object's axis, where it will be, and from which side it
+approaches; the probability is averaged over the possible targets.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.errors import IgripError
-from igrip.geometry import cylinder
+from igrip.geometry.cylinder import Cylinders, axis_of, centre_of, size_of, velocity_of
 from igrip.geometry.scene import Geometry
 from igrip.grips import GRIPS, Grip, GripConfig
 from igrip.grips.cylinder import CylinderGrip
@@ -34,40 +34,28 @@ TERMS = (
     "1", *INPUTS, *(f"{a} {b}" for a, b in combinations_with_replacement(INPUTS, 2)),
 )  # fmt: skip
 SOON = 0.3  # s
-MOST = 3.0  # a bound for all inputs
+MAX_INPUT = 3.0  # bound of all inputs
 
 
 @kernel
-def approach_of(position, velocity, cylinders, inputs):
-    """Write how a hand approaches each object, in half-lengths of the object.
-
-    Parameters
-    ----------
-    position, velocity : (3,)
-        Of the hand, world frame [m, m/s].
-    cylinders : (o, 11)
-        As :mod:`igrip.geometry.cylinder` lays them out.
-    inputs : (o, 6), written
-        Height along the axis over the middle, now, soon and when the hand will reach the side of
-        the cylinder (positive towards the end that it is nearer to soon); distance from the side;
-        part of the speed that goes down from that end; how far the hand goes in 0.3 s.
-    """
-    for o in range(cylinders.shape[0]):
-        half = cylinders[o, cylinder.HALF_LENGTH]
+def _approaches(position, velocity, cylinders, inputs):
+    """Write the result of :func:`approaches`; ``cylinders`` are the rows."""
+    for o in range(inputs.shape[0]):
+        row = cylinders[o]
+        centre, along, moving = centre_of(row), axis_of(row), velocity_of(row)
+        half, radius = size_of(row)
         height = rise = out2 = outwards = speed2 = 0.0
         for axis in range(3):
-            direction = cylinders[o, cylinder.AXIS + axis]
-            height += (position[axis] - cylinders[o, axis]) * direction
-            rise += (velocity[axis] - cylinders[o, cylinder.VELOCITY + axis]) * direction
+            height += (position[axis] - centre[axis]) * along[axis]
+            rise += (velocity[axis] - moving[axis]) * along[axis]
         for axis in range(3):
-            direction = cylinders[o, cylinder.AXIS + axis]
-            away = position[axis] - cylinders[o, axis] - height * direction
-            moves = velocity[axis] - cylinders[o, cylinder.VELOCITY + axis]
+            away = position[axis] - centre[axis] - height * along[axis]
+            moves = velocity[axis] - moving[axis]
             out2 += away * away
-            outwards += away * (moves - rise * direction)
+            outwards += away * (moves - rise * along[axis])
             speed2 += moves * moves
         out = math.sqrt(out2)
-        aside = max(out - cylinders[o, cylinder.RADIUS], 0.0)
+        aside = max(out - radius, 0.0)
         inwards = -outwards / (out + 1e-9)
         speed = math.sqrt(speed2)
         time = min(aside / inwards, 2.0) if inwards > 1e-9 else 0.0
@@ -80,12 +68,35 @@ def approach_of(position, velocity, cylinders, inputs):
         inputs[o, 4] = -end * rise / (speed + 1e-9)
         inputs[o, 5] = speed * SOON / half
         for k in range(6):
-            inputs[o, k] = min(max(inputs[o, k], -MOST), MOST)
+            inputs[o, k] = min(max(inputs[o, k], -MAX_INPUT), MAX_INPUT)
+
+
+def approaches(position: Array, velocity: Array, cylinders: Cylinders) -> Array:
+    """Return how a hand approaches each object, in half-lengths of the object.
+
+    Parameters
+    ----------
+    position, velocity : (3,)
+        Of the hand, world frame [m, m/s].
+    cylinders : Cylinders
+        Of the objects.
+
+    Returns
+    -------
+    (o, 6)
+        Height along the axis over the middle, now, soon and when the hand will reach the side of
+        the cylinder (positive towards the end that it is nearer to soon); distance from the side;
+        part of the speed that goes down from that end; how far the hand goes in 0.3 s.
+    """
+    inputs = np.empty((len(cylinders.rows), len(INPUTS)))
+    _approaches(position, velocity, cylinders.rows, inputs)
+    return inputs
 
 
 @kernel
-def pinch_odds(inputs, weights, odds):
-    """Write the log-odds of a pinch: a polynomial of degree 2 in the inputs, as in TERMS."""
+def pinch_odds(inputs, weights):
+    """Return the log-odds of a pinch: a polynomial of degree 2 in the inputs, as in TERMS."""
+    odds = np.empty(inputs.shape[0])
     for o in range(inputs.shape[0]):
         total, term = weights[0], 1
         for i in range(inputs.shape[1]):
@@ -96,6 +107,7 @@ def pinch_odds(inputs, weights, odds):
                 total += weights[term] * inputs[o, i] * inputs[o, j]
                 term += 1
         odds[o] = total
+    return odds
 
 
 @cache
@@ -107,32 +119,31 @@ def weights() -> Array:
     IgripError
         If the file is not of this format, or was made for other terms.
     """
-    told = read_learned(WEIGHTS, FORMAT)
-    if tuple(told.get("weights", ())) != TERMS:
+    content = read_learned(WEIGHTS, FORMAT)
+    if tuple(content.get("weights", ())) != TERMS:
         raise IgripError(f"{WEIGHTS}: was made for other terms; train it anew (make train)")
-    return np.stack([numbers(told, ["weights", term], (), WEIGHTS) for term in TERMS])
+    return np.stack([numbers(content, ["weights", term], (), WEIGHTS) for term in TERMS])
 
 
 @GRIPS.register("contact")
 class ContactGrip:
-    """Selects by where the hand will touch what may be its target."""
+    """Selects by where the hand will touch its possible targets."""
 
     def __init__(self, config: GripConfig) -> None:
         self._weights = weights()
         self._paper = CylinderGrip(config)
 
-    def select(self, belief: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
+    def select(self, estimate: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
         """Return the likelier grip and the probability of both; none without a target.
 
-        Where the belief is no posterior there is nothing to average over: the paper's rule holds.
+        An estimate without probabilities gives nothing to average over: the paper's rule holds.
         """
-        if belief.target is None or belief.probability is None:
-            return self._paper.select(belief, geometry, motion)
-        objects = belief.probability[:-1]
-        inputs, odds = np.empty((len(objects), len(INPUTS))), np.empty(len(objects))
-        approach_of(motion.position, motion.velocity, geometry.cylinders(), inputs)
-        pinch_odds(inputs, self._weights, odds)
+        if estimate.target is None or estimate.probability is None:
+            return self._paper.select(estimate, geometry, motion)
+        objects = estimate.probability[:-1]
+        inputs = approaches(motion.position, motion.velocity, geometry.cylinders())
+        odds = pinch_odds(inputs, self._weights)
         pinch = 1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))
-        likely = float(objects @ pinch / objects.sum())
-        name = "pinch" if likely >= 0.5 else "palmar"
-        return Grip(name, {"palmar": 1.0 - likely, "pinch": likely})
+        probability = float(objects @ pinch / objects.sum())
+        name = "pinch" if probability >= 0.5 else "palmar"
+        return Grip(name, {"palmar": 1.0 - probability, "pinch": probability})

@@ -12,14 +12,14 @@ from igrip.targets import TargetEstimate
 
 
 def is_pinch(
-    axial: NDArray[np.float64], half_length: NDArray[np.float64], pinch_from: float
+    axial: NDArray[np.float64], half_length: NDArray[np.float64], pinch_threshold: float
 ) -> NDArray[np.bool_]:
     """Return whether a hand at z = ``axial`` of the object frame pinches.
 
     ``|z| >= 0.85 · half-length``. The paper compares with the full length of the cylinder, which
     would put the border outside the object, against its own Figure 2 (SPEC §6).
     """
-    return np.abs(axial) >= pinch_from * half_length
+    return np.abs(axial) >= pinch_threshold * half_length
 
 
 @GRIPS.register("cylinder")
@@ -27,12 +27,12 @@ class CylinderGrip:
     """Selects by the present position of the hand along the axis of its target."""
 
     def __init__(self, config: GripConfig) -> None:
-        self._pinch_from = config.pinch_from
+        self._pinch_threshold = config.pinch_threshold
 
-    def select(self, belief: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
+    def select(self, estimate: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
         """Return the grip for the target, none without one."""
-        if belief.target is None:
+        if estimate.target is None:
             return Grip(None)
-        axial = geometry.axial[belief.target]
-        pinch = is_pinch(axial, geometry.half_length[belief.target], self._pinch_from)
+        axial = geometry.axial[estimate.target]
+        pinch = is_pinch(axial, geometry.half_length[estimate.target], self._pinch_threshold)
         return Grip("pinch" if pinch else "palmar")

@@ -62,14 +62,17 @@ def build_point_tree(points: NDArray[np.float64]) -> Bvh:
 
 
 def _tree(
-    lower: NDArray[np.float64], upper: NDArray[np.float64], leaves: NDArray[np.float64], most: int
+    lower: NDArray[np.float64],
+    upper: NDArray[np.float64],
+    leaves: NDArray[np.float64],
+    max_in_leaf: int,
 ) -> Bvh:
-    """Build the tree of things with these bounds, at most so many in a leaf."""
+    """Build the tree of things with these bounds, at most ``max_in_leaf`` in a leaf."""
     order = np.arange(len(leaves), dtype=np.int64)
     nodes = max(1, 2 * len(leaves))
     boxes = np.empty((nodes, 6, 2))
     links = np.zeros((nodes, 2), dtype=np.int32)
-    used = _build(lower, upper, order, boxes, links, most)
+    used = _build(lower, upper, order, boxes, links, max_in_leaf)
     packed = np.empty((used, 12), dtype=np.float32)
     for child in range(2):
         low, high = boxes[:used, :3, child], boxes[:used, 3:, child]
@@ -175,7 +178,7 @@ def _split(lower, upper, order, first, last, depth):
 
 
 @kernel
-def _build(lower, upper, order, boxes, links, most):
+def _build(lower, upper, order, boxes, links, max_in_leaf):
     """Fill ``boxes`` and ``links`` depth first; return the number of nodes."""
     stack = np.empty((4 * STACK, 4), dtype=np.int64)  # first, last, depth, node
     stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = 0, order.shape[0], 0, 0
@@ -184,13 +187,13 @@ def _build(lower, upper, order, boxes, links, most):
         top -= 1
         first, last, depth, node = stack[top]
         cut = last  # only the root of a tiny mesh is not split
-        if last - first > most:
+        if last - first > max_in_leaf:
             cut = _split(lower, upper, order, first, last, depth)
         for child in range(2):
             begin = first if child == 0 else cut
             end = cut if child == 0 else last
             _bounds(lower, upper, order, begin, end, boxes[node], child)
-            if end - begin <= most:
+            if end - begin <= max_in_leaf:
                 links[node, child] = -1 - ((begin << LEAF_BITS) + (end - begin))
             else:
                 links[node, child] = used

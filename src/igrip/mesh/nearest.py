@@ -61,7 +61,7 @@ def _box_distance2(boxes, node, at, px, py, pz):
 
 @kernel
 def nearest(
-    boxes, links, leaves, node0, leaf0, px, py, pz, least2, stack, near_stack, counters
+    boxes, links, leaves, node0, leaf0, px, py, pz, bound2, stack, near_stack, counters
 ):  # fmt: skip
     """Find the nearest point of the triangles, or the nearest of the points, in a tree.
 
@@ -71,7 +71,7 @@ def nearest(
         As for :func:`igrip.mesh.ray.cast_ray`; the leaves may be points.
     px, py, pz : float
         Query point in the frame of the mesh [m].
-    least2 : float
+    bound2 : float
         Square of a distance that the result is known to be less than [m²]; infinity if unknown.
     stack, near_stack : (STACK,) int32 and float64
         Scratch memory.
@@ -81,7 +81,7 @@ def nearest(
     Returns
     -------
     distance, x, y, z : float
-        How far the nearest is, and where [m].
+        Of the nearest point, and where it is [m].
     """
     points = leaves.shape[1] == 3
     x = y = z = np.nan
@@ -96,8 +96,8 @@ def nearest(
         next_node = -1
         for turn in range(2):
             child = turn if left <= right else 1 - turn
-            away = left if child == 0 else right
-            if away >= least2:
+            box_distance2 = left if child == 0 else right
+            if box_distance2 >= bound2:
                 continue
             link = links[here, child]
             if link >= 0:
@@ -105,7 +105,7 @@ def nearest(
                     next_node = link
                 else:
                     stack[top] = link
-                    near_stack[top] = away
+                    near_stack[top] = box_distance2
                     top += 1
                 continue
             code = -1 - link
@@ -118,14 +118,14 @@ def nearest(
                     qx, qy, qz = _closest_on_triangle(leaves, leaf, px, py, pz)
                 ux, uy, uz = qx - px, qy - py, qz - pz
                 distance2 = ux * ux + uy * uy + uz * uz
-                if distance2 < least2:
-                    least2 = distance2
+                if distance2 < bound2:
+                    bound2 = distance2
                     x, y, z = qx, qy, qz
         while next_node < 0:
             if top == 0:
                 counters[1] += visited
-                return np.sqrt(least2), x, y, z
+                return np.sqrt(bound2), x, y, z
             top -= 1
-            if near_stack[top] < least2:
+            if near_stack[top] < bound2:
                 next_node = stack[top]
         node = next_node

@@ -37,12 +37,12 @@ def _ray_triangle(triangles, k, px, py, pz, dx, dy, dz):
     t = e2x * rx + e2y * ry + e2z * rz
     sign = 1.0 if determinant > 0.0 else -1.0
     determinant, u, v, t = sign * determinant, sign * u, sign * v, sign * t
-    least = -EDGE * determinant
+    lowest = -EDGE * determinant
     meets = (
         (determinant > 0.0)
-        & (u >= least)
-        & (v >= least)
-        & (u + v <= determinant - least)
+        & (u >= lowest)
+        & (v >= lowest)
+        & (u + v <= determinant - lowest)
         & (t >= 0.0)
     )
     return meets, t, determinant

@@ -9,16 +9,32 @@ time comes from the data alone, so that a replay repeats bit for bit.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.entities import Quaternion, Vector
-from igrip.motion import one_euro_kernel as low_pass
-from igrip.motion.one_euro_kernel import smoothing
+from igrip.motion.one_euro_kernel import (
+    begin,
+    derivative_of,
+    new_filter,
+    place_point,
+    point_of,
+    quaternion_of,
+    smoothing,
+    step_orientation,
+    step_pose,
+    step_position,
+    velocity_of,
+)
 from igrip.settings import Settings, quantity
 
-__all__ = ["OneEuroConfig", "OrientationFilter", "PoseFilter", "PositionFilter", "smoothing"]
+__all__ = [
+    "OneEuroConfig", "OrientationFilter", "PlacedPoint", "PoseFilter", "PositionFilter", "smoothing"
+]  # fmt: skip
+
+Array = NDArray[np.float64]
 
 
 class OneEuroConfig(Settings):
@@ -36,23 +52,17 @@ class _Filter:
 
     Attributes
     ----------
-    parameters : (3,) float64
-        Cutoff at rest [Hz], its growth, cutoff of the derivative [Hz].
-    state : (11,) float64
-        As :mod:`igrip.motion.one_euro_kernel` lays it out.
+    state, parameters : (11,), (3,)
+        Of :mod:`igrip.motion.one_euro_kernel`, which alone knows their layout.
     begun : bool
         Whether there was a sample.
     """
 
     def __init__(self, config: OneEuroConfig) -> None:
-        self.parameters = np.array([config.min_cutoff, config.beta, config.derivative_cutoff])
-        self.state: NDArray[np.float64] = np.zeros(low_pass.STATE)
+        self.state, self.parameters = new_filter(
+            config.min_cutoff, config.beta, config.derivative_cutoff
+        )
         self.begun = False
-
-    def _begin(self, t: float, value: tuple[float, ...]) -> None:
-        self.state[: len(value)] = value
-        self.state[low_pass.TIME] = t
-        self.begun = True
 
     @property
     def derivative(self) -> Vector:
@@ -60,14 +70,12 @@ class _Filter:
 
         It holds the lag of the filter, so it is no velocity [m/s or rad/s].
         """
-        x, y, z = self.state[low_pass.DERIVATIVE : low_pass.DERIVATIVE + 3].tolist()
-        return (x, y, z)
+        return derivative_of(self.state)
 
     @property
     def velocity(self) -> Vector:
         """Low-passed velocity of the filtered value, world frame [m/s or rad/s]."""
-        x, y, z = self.state[low_pass.VELOCITY : low_pass.VELOCITY + 3].tolist()
-        return (x, y, z)
+        return velocity_of(self.state)
 
 
 class PositionFilter(_Filter):
@@ -76,19 +84,16 @@ class PositionFilter(_Filter):
     @property
     def value(self) -> Vector | None:
         """Filtered position [m]; None before the first sample."""
-        if not self.begun:
-            return None
-        x, y, z = self.state[:3].tolist()
-        return (x, y, z)
+        return point_of(self.state) if self.begun else None
 
     def update(self, t: float, position: Vector) -> Vector:
-        """Take a sample measured at ``t`` [s], later than the last; return the filtered point."""
+        """Add a sample measured at ``t`` [s], later than the last; return the filtered point."""
         if not self.begun:
-            self._begin(t, position)
+            begin(self.state, t, position)
+            self.begun = True
             return position
-        low_pass.step_position(self.state, t, *position, self.parameters)
-        x, y, z = self.state[:3].tolist()
-        return (x, y, z)
+        step_position(self.state, t, *position, self.parameters)
+        return point_of(self.state)
 
 
 class OrientationFilter(_Filter):
@@ -97,22 +102,36 @@ class OrientationFilter(_Filter):
     @property
     def value(self) -> Quaternion | None:
         """Filtered rotation, unit quaternion x, y, z, w; None before the first sample."""
-        if not self.begun:
-            return None
-        x, y, z, w = self.state[:4].tolist()
-        return (x, y, z, w)
+        return quaternion_of(self.state) if self.begun else None
 
     def update(self, t: float, orientation: Quaternion) -> Quaternion:
-        """Take a sample measured at ``t`` [s], later than the last; return it filtered."""
+        """Add a sample measured at ``t`` [s], later than the last; return it filtered."""
         norm = math.hypot(*orientation)
         x, y, z, w = orientation
-        x, y, z, w = x / norm, y / norm, z / norm, w / norm
+        unit = (x / norm, y / norm, z / norm, w / norm)
         if not self.begun:
-            self._begin(t, (x, y, z, w))
-            return (x, y, z, w)
-        low_pass.step_orientation(self.state, t, x, y, z, w, self.parameters)
-        x, y, z, w = self.state[:4].tolist()
-        return (x, y, z, w)
+            begin(self.state, t, unit)
+            self.begun = True
+            return unit
+        step_orientation(self.state, t, *unit, self.parameters)
+        return quaternion_of(self.state)
+
+
+class PlacedPoint(NamedTuple):
+    """A filtered pose, and a point that is fixed to it. World frame.
+
+    Attributes
+    ----------
+    rotation, translation : (3, 3), (3,)
+        The pose [m].
+    point, velocity : (3,)
+        The point and its velocity [m, m/s].
+    """
+
+    rotation: Array
+    translation: Array
+    point: Array
+    velocity: Array
 
 
 class PoseFilter:
@@ -122,19 +141,40 @@ class PoseFilter:
     ----------
     position, orientation : OneEuroConfig
         Their parameters.
+
+    Attributes
+    ----------
+    begun : bool
+        Whether there was a pose.
     """
 
     def __init__(self, position: OneEuroConfig, orientation: OneEuroConfig) -> None:
         self.position = PositionFilter(position)
         self.orientation = OrientationFilter(orientation)
+        self.begun = False
 
     def update(self, t: float, position: Vector, orientation: Quaternion) -> None:
-        """Take a pose measured at ``t`` [s], later than the last."""
-        if not self.position.begun:
+        """Add a pose measured at ``t`` [s], later than the last."""
+        if not self.begun:
             self.position.update(t, position)
             self.orientation.update(t, orientation)
+            self.begun = True
             return
-        low_pass.step_pose(
+        step_pose(
             self.position.state, self.orientation.state, t, *position, *orientation,
             self.position.parameters, self.orientation.parameters,
         )  # fmt: skip
+
+    def place(self, local: Array, rest_speed: float) -> PlacedPoint:
+        """Return the filtered pose as matrices, with a point and its velocity.
+
+        Parameters
+        ----------
+        local : (3,)
+            The point in the frame of the object [m].
+        rest_speed : float
+            A slower object rests: its velocity is zero [m/s].
+        """
+        out = np.empty((6, 3))
+        place_point(self.position.state, self.orientation.state, local, rest_speed, out)
+        return PlacedPoint(out[:3], *out[3:])

@@ -1,4 +1,4 @@
-"""One hand as it is seen over time: its motion, its status and the reason for it."""
+"""One hand over time: its motion, its status and the reason for it."""
 
 from __future__ import annotations
 
@@ -11,37 +11,43 @@ from igrip.motion.trajectory import Motion, MotionConfig, Trajectory
 
 
 class HandTrack:
-    """Health and motion of one hand.
+    """Gate, trajectory and status of one hand.
 
     Attributes
     ----------
     id : str
         Its id in the messages.
+    gate : Gate
+        Decides which measurements are accepted.
+    trajectory : Trajectory
+        Of the accepted measurements.
     motion : Motion or None
-        At its newest believed measurement; None while that does not suffice for a prediction.
+        At its newest accepted measurement; None while there are too few for a prediction.
+    same_as : str or None
+        Another hand that is at the same place.
     """
 
-    def __init__(self, id: str, config: MotionConfig, health: GatingConfig) -> None:
+    def __init__(self, id: str, config: MotionConfig, gating: GatingConfig) -> None:
         self.id = id
-        self.gate = Gate(health, health.hand_limit)
+        self.gate = Gate(gating, gating.max_hand_age)
         self.trajectory = Trajectory(config)
         self.motion: Motion | None = None
-        self._limit = health.hand_limit
-        self._refusal: str | None = None
-        self._refused_at = 0.0
-        self._last_refused = -math.inf
-        self._late = False
-        self.same_as: str | None = None  # the other hand that is at the same place, if any
+        self.same_as: str | None = None
+        self._max_age = gating.max_hand_age
+        self._rejection: str | None = None
+        self._decided_at = 0.0
+        self._rejected_at = -math.inf
+        self._stale = False
 
     def update(self, now: float, hand: Hand) -> bool:
-        """Take a measurement that arrived at ``now`` [s]; return whether it counts as one."""
+        """Add a measurement that arrived at ``now`` [s]; return whether it was not ignored."""
         t = now if hand.t is None else hand.t
-        verdict = self.gate.judge(now, t, hand.position)
+        verdict = self.gate.check(now, t, hand.position)
         if verdict.action == "ignore":
             return False
-        self._refusal, self._refused_at = verdict.reason, now
-        if verdict.action == "refuse":
-            self._last_refused = now
+        self._rejection, self._decided_at = verdict.reason, now
+        if verdict.action == "reject":
+            self._rejected_at = now
             return True
         if verdict.action == "restart":
             self.trajectory.reset()
@@ -49,27 +55,32 @@ class HandTrack:
         return True
 
     def advance(self, now: float) -> None:
-        """Note that the time is ``now`` [s]."""
-        self._late = self.gate.is_late(now)
-        if now - self._refused_at > self._limit:
-            self._refusal = None  # long ago: what matters now is that nothing comes
+        """Set the time to ``now`` [s]."""
+        self._stale = self.gate.is_stale(now)
+        if now - self._decided_at > self._max_age:
+            self._rejection = None  # long ago: what matters now is that nothing arrives
 
     @property
     def status(self) -> Status:
-        """What the hand is doing, as far as its input tells."""
-        if self._refusal is not None:
+        """Status of the hand by its input alone, without what a device holds."""
+        if self._rejection is not None:
             return "invalid"
-        if self._late:
+        if self._stale:
             return "lost"
         if self.motion is None:
             return "warming_up"
         return "idle" if self.motion.reach.phase == "rest" else "reaching"
 
+    @property
+    def is_followed(self) -> bool:
+        """Whether there is a motion of accepted, recent measurements."""
+        return self.motion is not None and self._rejection is None and not self._stale
+
     def reason(self, now: float) -> str | None:
-        """Why there is no answer for this hand, or what is wrong with its input, in words."""
-        if self._refusal is not None:
-            return self._refusal
-        if self._late:
+        """Return why there is no estimate, or what is wrong with the input; None if nothing is."""
+        if self._rejection is not None:
+            return self._rejection
+        if self._stale:
             if math.isnan(self.gate.newest):
                 return "never measured in a way that could be believed"
             return f"not measured for {now - self.gate.newest:.2f} s"
@@ -77,19 +88,19 @@ class HandTrack:
             return f"{len(self.trajectory)} samples do not determine a prediction yet"
         if self.same_as is not None:
             return f"contradictory: is where hand {self.same_as} is"
-        return self.gate.remark()
+        return self.gate.warning
 
     @property
     def trusted(self) -> bool:
-        """Whether a device may act on it: it is measured, and nothing is odd about that."""
-        fine = self.gate.remark() is None and self.same_as is None
-        return fine and self.status in ("idle", "reaching")
+        """Whether a device may act on it: it is followed, and its input is not suspicious."""
+        clean = self.gate.warning is None and self.same_as is None
+        return clean and self.is_followed
 
     def is_steady(self, now: float) -> bool:
-        """Whether it is measured, and all of that could be believed for a while."""
-        return not self._late and now - self._last_refused > self._limit
+        """Whether it is measured, and no measurement was rejected for ``max_hand_age``."""
+        return not self._stale and now - self._rejected_at > self._max_age
 
     @property
-    def is_late(self) -> bool:
-        """Whether it has not been measured for too long."""
-        return self._late
+    def is_stale(self) -> bool:
+        """Whether it was not measured for longer than ``max_hand_age``."""
+        return self._stale

@@ -1,22 +1,46 @@
-"""How noisy are the samples of a position? By third differences, which no parabola changes."""
+"""Noise of sampled positions, estimated by third differences, which are zero for a parabola."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 
-# state: how many samples were taken, the variance, and the last three samples as rows t, x, y, z
-COUNT, VARIANCE, ROWS, STATE = 0, 1, 2, 14
-WORTH = 4.0  # samples that the noise believed at first is worth; guess
-BOLDEST = 9.0  # a sample counts at most as so many times the variance: an outlier, or a jerk
+Array = NDArray[np.float64]
+
+# layout of the state, used in this file alone: number of samples, variance, and the last three
+# samples as rows t, x, y, z
+COUNT, VARIANCE, ROWS, SIZE = 0, 1, 2, 14
+PRIOR_SAMPLES = 4.0  # weight of the initial variance, in samples; guess
+MAX_RATIO = 9.0  # a sample counts at most this many times the variance: an outlier, or a jerk
+
+
+def new_noise(variance: float) -> Array:
+    """Return the state of an estimate before its first sample; ``variance`` is a guess [m²]."""
+    state = np.zeros(SIZE)
+    state[VARIANCE] = variance
+    return state
 
 
 @kernel
-def watch(state, t, x, y, z, memory):
-    """Take a sample and estimate the variance of each coordinate.
+def reset_noise(state, variance):
+    """Forget all samples; ``variance`` is the new first guess [m²]."""
+    state[:] = 0.0
+    state[VARIANCE] = variance
+
+
+@kernel
+def variance_of(state):
+    """Return the estimated variance of each coordinate [m²]."""
+    return state[VARIANCE]
+
+
+@kernel
+def update_noise(state, t, x, y, z, time_constant):
+    """Add a sample and estimate the variance of each coordinate.
 
     The third divided difference of four samples is zero for any parabola, however the times are
     spaced; for white noise its variance is known.
@@ -24,11 +48,11 @@ def watch(state, t, x, y, z, memory):
     Parameters
     ----------
     state : (14,), changed
-        ``COUNT`` zero and ``VARIANCE`` a first guess [m²] before the first sample.
+        Of :func:`new_noise`.
     t, x, y, z : float
         The sample [s, m].
-    memory : float
-        Time constant of the estimate [s].
+    time_constant : float
+        Memory of the estimate [s].
     """
     rows = state[ROWS:].reshape(3, 4)
     if state[COUNT] >= 3.0:
@@ -48,9 +72,12 @@ def watch(state, t, x, y, z, memory):
             for i in range(3):
                 difference += part[i] * rows[i, 1 + axis]
             sum2 += difference**2
-        weight = max(1.0 / (state[COUNT] - 2.0 + WORTH), 1.0 - math.exp(-(t - rows[2, 0]) / memory))
-        seen = min(sum2 / (3.0 * gain), BOLDEST * state[VARIANCE])
-        state[VARIANCE] += weight * (seen - state[VARIANCE])
+        weight = max(
+            1.0 / (state[COUNT] - 2.0 + PRIOR_SAMPLES),
+            1.0 - math.exp(-(t - rows[2, 0]) / time_constant),
+        )
+        measured = min(sum2 / (3.0 * gain), MAX_RATIO * state[VARIANCE])
+        state[VARIANCE] += weight * (measured - state[VARIANCE])
     state[COUNT] += 1.0
     for i in range(2):
         rows[i] = rows[i + 1]

@@ -1,7 +1,6 @@
 """One step of the One-Euro filters, compiled: a scene has many objects, and each takes two steps.
 
-The state of a filter is an array of 11 numbers: value (4, the last unused for a point), derivative
-(3), velocity (3), and the time of the last sample. See :mod:`igrip.motion.filters` for the filter.
+See :mod:`igrip.motion.filters` for the filter.
 """
 
 from __future__ import annotations
@@ -9,12 +8,52 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from igrip.compiled import kernel
+from igrip.entities import Quaternion, Vector
 
-VALUE, DERIVATIVE, VELOCITY, TIME, STATE = 0, 4, 7, 10, 11
-# parameters
+Array = NDArray[np.float64]
+
+# layout of the state, used in this file alone: value (4, the last unused for a point), derivative
+# (3), velocity (3), time of the last sample; and of the parameters
+VALUE, DERIVATIVE, VELOCITY, TIME, SIZE = 0, 4, 7, 10, 11
 MIN_CUTOFF, BETA, DERIVATIVE_CUTOFF = 0, 1, 2
+
+
+def new_filter(min_cutoff: float, beta: float, derivative_cutoff: float) -> tuple[Array, Array]:
+    """Return the state of a filter before its first sample, and its parameters: (11,), (3,)."""
+    return np.zeros(SIZE), np.array([min_cutoff, beta, derivative_cutoff])
+
+
+def begin(state: Array, t: float, value: tuple[float, ...]) -> None:
+    """Start a filter with its first sample: a point [m] or a unit quaternion at ``t`` [s]."""
+    state[VALUE : VALUE + len(value)] = value
+    state[TIME] = t
+
+
+def point_of(state: Array) -> Vector:
+    """Return the filtered point [m]."""
+    x, y, z = state[VALUE : VALUE + 3].tolist()
+    return (x, y, z)
+
+
+def quaternion_of(state: Array) -> Quaternion:
+    """Return the filtered rotation, a unit quaternion x, y, z, w."""
+    x, y, z, w = state[VALUE : VALUE + 4].tolist()
+    return (x, y, z, w)
+
+
+def derivative_of(state: Array) -> Vector:
+    """Return the low-passed derivative, which drives the cutoff [m/s or rad/s]."""
+    x, y, z = state[DERIVATIVE : DERIVATIVE + 3].tolist()
+    return (x, y, z)
+
+
+def velocity_of(state: Array) -> Vector:
+    """Return the low-passed velocity of the filtered value [m/s or rad/s]."""
+    x, y, z = state[VELOCITY : VELOCITY + 3].tolist()
+    return (x, y, z)
 
 
 @kernel
@@ -25,8 +64,8 @@ def smoothing(cutoff, dt):
 
 
 @kernel
-def _part(state, t, x, y, z, parameters):
-    """Take the step from the filtered value to the new sample; return how much of it to go."""
+def _advance(state, t, x, y, z, parameters):
+    """Use the step from the filtered value to a new sample; return the weight of the sample."""
     dt = t - state[TIME]
     state[TIME] = t
     weight = smoothing(parameters[DERIVATIVE_CUTOFF], dt)
@@ -46,9 +85,9 @@ def _part(state, t, x, y, z, parameters):
 
 @kernel
 def step_position(state, t, x, y, z, parameters):
-    """Filter a point [m] measured at ``t`` [s]; the result is the state's value."""
+    """Filter a point [m] measured at ``t`` [s]; :func:`point_of` has the result."""
     x, y, z = x - state[VALUE], y - state[VALUE + 1], z - state[VALUE + 2]
-    part = _part(state, t, x, y, z, parameters)
+    part = _advance(state, t, x, y, z, parameters)
     state[VALUE] += part * x
     state[VALUE + 1] += part * y
     state[VALUE + 2] += part * z
@@ -56,7 +95,7 @@ def step_position(state, t, x, y, z, parameters):
 
 @kernel
 def step_orientation(state, t, x, y, z, w, parameters):
-    """Filter a unit quaternion measured at ``t`` [s]; the result is the state's value."""
+    """Filter a unit quaternion at ``t`` [s]; :func:`quaternion_of` has the result."""
     # the turn from the filtered rotation to the new one, in the world: new · old⁻¹
     ox, oy, oz, ow = state[VALUE], state[VALUE + 1], state[VALUE + 2], state[VALUE + 3]
     tx = -w * ox + x * ow - y * oz + z * oy
@@ -68,7 +107,7 @@ def step_orientation(state, t, x, y, z, w, parameters):
     sine = math.sqrt(tx * tx + ty * ty + tz * tz)
     scale = 2.0 if sine < 1e-9 else 2.0 * math.atan2(sine, tw) / sine
     tx, ty, tz = scale * tx, scale * ty, scale * tz
-    part = _part(state, t, tx, ty, tz, parameters)
+    part = _advance(state, t, tx, ty, tz, parameters)
     # part of that turn, then the old rotation
     tx, ty, tz = part * tx, part * ty, part * tz
     angle = math.sqrt(tx * tx + ty * ty + tz * tz)
@@ -92,17 +131,17 @@ def step_pose(position, orientation, t, x, y, z, qx, qy, qz, qw, of_position, of
 
 
 @kernel
-def place(position, orientation, local, still, out):
+def place_point(position, orientation, local, rest_speed, out):
     """Write a filtered pose as matrices, with a point of the object and its velocity.
 
     Parameters
     ----------
-    position, orientation : (STATE,)
+    position, orientation : (11,)
         States of the two filters.
     local : (3,)
         A point of the object, in its own frame [m].
-    still : float
-        Below this speed the object rests [m/s].
+    rest_speed : float
+        A slower object rests: its velocity is zero [m/s].
     out : (6, 3), written
         Rotation by rows, translation, the point in the world [m], its velocity [m/s].
     """
@@ -122,5 +161,5 @@ def place(position, orientation, local, still, out):
     out[5, 0] = v[0] + b * lever[2] - c * lever[1]
     out[5, 1] = v[1] + c * lever[0] - a * lever[2]
     out[5, 2] = v[2] + a * lever[1] - b * lever[0]
-    if out[5, 0] ** 2 + out[5, 1] ** 2 + out[5, 2] ** 2 < still * still:
+    if out[5, 0] ** 2 + out[5, 1] ** 2 + out[5, 2] ** 2 < rest_speed * rest_speed:
         out[5] = 0.0

@@ -1,4 +1,4 @@
-"""The recent trajectory of one hand, and its near future by weighted quadratic regression."""
+"""Recent trajectory of one hand, and its near future by weighted quadratic regression."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
 from igrip.motion.quadratic_fit import predict
-from igrip.motion.reach_detection import ReachConfig, ReachDetector, ReachState
+from igrip.motion.reach_detection import ReachConfig, ReachDetector
+from igrip.motion.reach_kernel import ReachState
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]
@@ -24,7 +25,7 @@ class MotionConfig(Settings):
     reach: ReachConfig = ReachConfig()
     window: int = quantity(20, "samples", "n_f, length of the window", "SPEC §3", ge=3, le=1000)
     window_duration: float = quantity(
-        1.0, "s", "samples older than this leave the window", "SPEC §3: bounded by time", gt=0
+        1.0, "s", "older samples leave the window", "SPEC §3: bounded by time", gt=0
     )
     future_points: int = quantity(10, "1", "number of predicted points", "SPEC §3", ge=1, le=100)
     horizon: float = quantity(0.3, "s", "time of the last predicted point", "SPEC §3", gt=0)
@@ -100,7 +101,7 @@ class Trajectory:
         return self._positions[self._first : self._end].copy()
 
     def update(self, t: float, position: Vector) -> Motion | None:
-        """Take a sample measured at ``t`` [s], later than the last.
+        """Add a sample measured at ``t`` [s], later than the last.
 
         Returns
         -------

@@ -118,7 +118,7 @@ def load_objects(*sources: str | Path) -> Catalog:
         raise ObjectsError("name at least one source of objects, for example 'ycb'")
     catalog = Catalog(*sources)
     for source in sources:
-        if _is_folder(source):  # a wrong unit or file should be heard of now, not in mid-reach
+        if _is_folder(source):  # a wrong unit or file raises here, not in mid-reach
             for mesh in _meshes_of(source):
                 catalog[mesh.name]
     return catalog
@@ -170,7 +170,7 @@ def _builder_digest() -> str:
 
 _TREES = ("bvh", "vertex_tree")
 _SCALARS = ("length", "radius")
-_ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "balls")
+_ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "inscribed_spheres")
 
 
 def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:

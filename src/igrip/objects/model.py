@@ -1,4 +1,4 @@
-"""The model of an object: its mesh, its own frame and cylinder, and its tree for the kernel."""
+"""Model of an object: its mesh, its own frame and cylinder, and its trees for the kernel."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ class ObjectModel:
         Centre and radius of a sphere that holds the mesh.
     symmetry : str
         ``none``, ``cylinder`` (any turn about z) or ``box`` (half turns about x, y, z).
-    balls : (8, 4)
-        Centres and radii of balls inside it, see :mod:`igrip.mesh.inscribed_spheres`.
+    inscribed_spheres : (8, 4)
+        Centres and radii of spheres inside it, see :mod:`igrip.mesh.inscribed_spheres`.
     bvh, vertex_tree : Bvh
         Trees of its triangles and of the vertices they use.
     """
@@ -54,7 +54,7 @@ class ObjectModel:
     length: float
     radius: float
     sphere: Array
-    balls: Array
+    inscribed_spheres: Array
     symmetry: Symmetry
     bvh: Bvh
     vertex_tree: Bvh
@@ -121,7 +121,7 @@ def build_model(
         length=length,
         radius=radius,
         sphere=np.append(middle, reach * (1.0 + 1e-6) + 1e-9),
-        balls=inscribed_spheres(vertices, np.asarray(mesh.faces), bvh),
+        inscribed_spheres=inscribed_spheres(vertices, np.asarray(mesh.faces), bvh),
         symmetry=symmetry,
         bvh=bvh,
         vertex_tree=build_point_tree(vertices[used]),

@@ -1,4 +1,4 @@
-"""One object over time: which model it has, where it is, and whether to believe it."""
+"""One object over time: its model, its pose, and whether it may be used."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from igrip.entities import ObjectPose
 from igrip.errors import ObjectsError, UnknownModelError
 from igrip.gating import Gate, GatingConfig
-from igrip.motion import one_euro_kernel as low_pass
-from igrip.motion.filters import OneEuroConfig, PoseFilter
+from igrip.motion.filters import OneEuroConfig, PlacedPoint, PoseFilter
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.settings import Settings, quantity
@@ -19,7 +18,7 @@ from igrip.settings import Settings, quantity
 Array = NDArray[np.float64]
 
 
-USUAL_DELAY = 0.15  # s; a look that found nothing is no older than that, however late poses come
+MAX_MISS_DELAY = 0.15  # s; a detection that found nothing is no older, however late poses arrive
 
 
 class ObjectConfig(Settings):
@@ -27,35 +26,35 @@ class ObjectConfig(Settings):
 
     position: OneEuroConfig = OneEuroConfig(min_cutoff=1.0, beta=5.0)
     orientation: OneEuroConfig = OneEuroConfig(min_cutoff=1.0, beta=1.0)
-    still_speed: float = quantity(
-        0.05, "m/s", "slower objects count as resting: less is jitter of the pose", "guess", ge=0
+    rest_speed: float = quantity(
+        0.05, "m/s", "a slower object rests: its speed is jitter of the pose", "guess", ge=0
     )
 
 
 class ObjectTrack:
-    """Pose and health of one object.
+    """Gate, pose filter and model of one object.
 
     Attributes
     ----------
     id, model_name : str
-        Its id in the messages, and the model it was bound to.
+        Its id in the messages, and the model it is bound to.
     model : ObjectModel or None
-        None where the catalogue has no such model.
-    reason : str or None
-        Why it cannot be used, in words; None if it can.
+        None if the catalogue has no such model.
+    gate : Gate
+        Decides which measurements are accepted.
     """
 
     def __init__(
-        self, id: str, model_name: str, catalog: Catalog, config: ObjectConfig, health: GatingConfig
+        self, id: str, model_name: str, catalog: Catalog, config: ObjectConfig, gating: GatingConfig
     ) -> None:
         self.id, self.model_name = id, model_name
         self._config = config
-        self.gate = Gate(health, health.object_limit)
-        self._limit = health.object_limit
+        self.gate = Gate(gating, gating.max_object_age)
+        self._max_age = gating.max_object_age
         self._static = False
-        self._refusal: str | None = None
-        self._late = False
-        self._delay = 0.0  # how old its poses are when they come
+        self._rejection: str | None = None
+        self._stale = False
+        self._delay = 0.0  # age of its poses on arrival
         self._missed_at = -math.inf
         self._static_until = -math.inf
         self.model: ObjectModel | None = None
@@ -71,77 +70,64 @@ class ObjectTrack:
 
     @property
     def reason(self) -> str | None:
-        """Why the object cannot be used, in words; None if it can."""
+        """Why the object cannot be used, as text; None if it can."""
         if self._no_model is not None:
             return self._no_model
-        if not self._filter.position.begun:
-            return self._refusal or "not seen yet"
-        return self._refusal or "not seen for too long" if self._late else None
+        if not self._filter.begun:
+            return self._rejection or "not seen yet"
+        return self._rejection or "not seen for too long" if self._stale else None
 
     @property
     def fault(self) -> str | None:
-        """What is wrong with its input, in words, even where its last good pose is still used."""
-        return self._no_model or self._refusal
+        """What is wrong with its input, as text, even if its last good pose is still used."""
+        return self._no_model or self._rejection
 
     @property
     def trusted(self) -> bool:
-        """Whether it was seen when last looked for, and nothing speaks against what was seen."""
+        """Whether a device may act on it: detected when last looked for, without any fault."""
         missed = self._missed_at >= self.gate.newest
-        return not missed and self.reason is None and self.fault is None and not self._stepped
+        stepped = self.gate.offset != 0.0
+        return not missed and self.reason is None and self.fault is None and not stepped
 
     @property
-    def _stepped(self) -> bool:
-        return self.gate.offset != 0.0
-
-    @property
-    def is_late(self) -> bool:
-        """Whether it has not been measured for too long, and is not static."""
-        return self._late
+    def is_stale(self) -> bool:
+        """Whether it was not measured for longer than ``max_object_age``, and is not static."""
+        return self._stale
 
     def update(self, now: float, pose: ObjectPose) -> None:
-        """Take a measurement that arrived at ``now`` [s]; one that is refused changes no pose."""
+        """Add a measurement that arrived at ``now`` [s]; a rejected one changes no pose."""
         t = now if pose.t is None else pose.t
-        verdict = self.gate.judge(now, t, pose.position)
+        verdict = self.gate.check(now, t, pose.position)
         if verdict.action == "ignore":
             return
-        self._refusal = verdict.reason
-        if verdict.action == "refuse":
+        self._rejection = verdict.reason
+        if verdict.action == "reject":
             return
         if verdict.action == "restart":
             self._reset()
         self._static = pose.static
-        self._delay = min(max(0.0, now - self.gate.newest), USUAL_DELAY)
+        self._delay = min(max(0.0, now - self.gate.newest), MAX_MISS_DELAY)
         self._filter.update(self.gate.newest, pose.position, pose.orientation)
 
     def miss(self, now: float) -> None:
-        """Note that the object was looked for and not seen: a static one begins to age."""
+        """Note that the object was looked for and not detected: a static one begins to age."""
         self.gate.counts["missed"] += 1
-        # a look that found nothing is as old as one that found something
+        # a detection that found nothing is as old as one that found something
         self._missed_at = now - self._delay
         if self._static:
             self._static, self._static_until = False, now
 
     def advance(self, now: float) -> None:
-        """Note that the time is ``now`` [s]."""
-        aged = now - max(self.gate.newest, self._static_until)
-        self._late = not self._static and not aged <= self._limit
+        """Set the time to ``now`` [s]."""
+        age = now - max(self.gate.newest, self._static_until)
+        self._stale = not self._static and not age <= self._max_age
 
-    def place(self, point: Array) -> Array:
-        """Return the filtered pose, and where a point of the object is and moves to.
+    def place(self, point: Array) -> PlacedPoint:
+        """Return the filtered pose, with a point of the object and its velocity.
 
         Parameters
         ----------
         point : (3,)
             In the frame of the mesh [m].
-
-        Returns
-        -------
-        (6, 3)
-            World-from-mesh rotation by rows, translation [m], the point in the world [m], and its
-            velocity [m/s], zero for a resting object.
         """
-        out = np.empty((6, 3))
-        still = math.inf if self._static else self._config.still_speed
-        kept = self._filter
-        low_pass.place(kept.position.state, kept.orientation.state, point, still, out)
-        return out
+        return self._filter.place(point, math.inf if self._static else self._config.rest_speed)

@@ -44,21 +44,11 @@ class HandIdConfig(Settings):
 
 
 class PalmMeasurement(NamedTuple):
-    """One detected hand.
+    """One detected hand."""
 
-    Attributes
-    ----------
-    position : (3,)
-        Its palm, in a frame that stands still [m].
-    label : str or None
-        ``left`` or ``right``, the detector's guess.
-    score : float
-        How much the label counts.
-    """
-
-    position: Array
-    label: str | None = None
-    score: float = 1.0
+    position: Array  # (3,), of its palm, in a frame that stands still [m]
+    label: str | None = None  # left or right, the detector's guess
+    score: float = 1.0  # how much the label counts
 
 
 @dataclass
@@ -92,13 +82,7 @@ class _Track:
 
 
 class HandIdTracker:
-    """Gives hands their ids: ``right`` and ``left``, then ``hand3`` and ``hand4``.
-
-    Parameters
-    ----------
-    config : HandIdConfig, optional
-        How they move.
-    """
+    """Gives hands their ids: ``right`` and ``left``, then ``hand3`` and ``hand4``."""
 
     def __init__(self, config: HandIdConfig | None = None) -> None:
         self._config = config or HandIdConfig()
@@ -106,20 +90,10 @@ class HandIdTracker:
         self._t = -np.inf
 
     def update(self, t: float, palms: Sequence[PalmMeasurement]) -> Mapping[str, int | None]:
-        """Add the hands of one frame and return which is which.
+        """Add the hands of a frame of time ``t`` [s], in any order, and return which is which.
 
-        Parameters
-        ----------
-        t : float
-            Time of the frame [s]. Where it goes back, everything is forgotten.
-        palms : sequence of PalmMeasurement
-            In any order.
-
-        Returns
-        -------
-        mapping of str to int or None
-            By id: the index of its palm; None: the hand is known and was not detected. No index
-            twice. A hand that is too new has no id yet.
+        By id: the index of its palm; None: the hand is known and was not detected. A hand that is
+        too new has no id yet. Where time goes back, everything is forgotten.
         """
         config = self._config
         if t < self._t:
@@ -168,11 +142,8 @@ class HandIdTracker:
                 if np.linalg.norm(palms[k].position - track.position) <= gate:
                     cost[i, j] = np.linalg.norm(palms[k].position - ahead)
         rows, columns = linear_sum_assignment(cost)
-        return {
-            int(i): among[int(j)]
-            for i, j in zip(rows, columns, strict=True)
-            if cost[i, j] < NO_MATCH
-        }
+        pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+        return {i: among[j] for i, j in pairs if cost[i, j] < NO_MATCH}
 
     def _assign_ids(self) -> None:
         """Give ids to the hands that were detected often enough, by their early labels."""

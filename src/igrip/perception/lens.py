@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.errors import CameraError
+from igrip.perception.json_files import read_json, write_json
 from igrip.perception.opencv import load_opencv
 from igrip.rgbd import Intrinsics
 
@@ -18,61 +18,33 @@ USUAL_FOV = 65.0  # degrees across; webcams have 55 to 80; guess
 
 
 class LensModel(NamedTuple):
-    """A pinhole and the distortion that is taken out before it holds.
-
-    Attributes
-    ----------
-    intrinsics : Intrinsics
-        The pinhole.
-    distortion : tuple of float
-        OpenCV's ``k1, k2, p1, p2, k3``; empty: none.
-    """
+    """A pinhole, and the distortion that is taken out before it holds."""
 
     intrinsics: Intrinsics
-    distortion: tuple[float, ...] = ()
+    distortion: tuple[float, ...] = ()  # OpenCV's k1, k2, p1, p2, k3
 
 
 def read_lens(path: str | Path) -> LensModel:
     """Read a JSON file with ``width``, ``height``, ``fx``, ``fy``, ``cx``, ``cy`` [pixels].
 
-    It may also hold ``distortion``, as in :class:`LensModel`.
-
-    Raises
-    ------
-    CameraError
-        If the file cannot be read, or its numbers make no sense.
+    It may also hold ``distortion``, as in :class:`LensModel`. What makes no sense is a CameraError.
     """
-    try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
-        intrinsics = Intrinsics(
-            int(content["width"]), int(content["height"]),
-            *(float(content[key]) for key in ("fx", "fy", "cx", "cy")),
-        )  # fmt: skip
-        distortion = tuple(float(value) for value in content.get("distortion", []))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
-        raise CameraError(f"{path}: is no file of intrinsics: {error!r}") from None
+    return read_json(path, "file of intrinsics", _lens)
+
+
+def _lens(content: Any) -> LensModel:
+    pinhole = (float(content[key]) for key in ("fx", "fy", "cx", "cy"))
+    intrinsics = Intrinsics(int(content["width"]), int(content["height"]), *pinhole)
+    distortion = tuple(float(value) for value in content.get("distortion", []))
     if not np.isfinite([*intrinsics, *distortion]).all() or min(intrinsics[:4]) <= 0:
-        raise CameraError(f"{path}: sizes and focal lengths must be positive numbers")
+        raise ValueError("sizes and focal lengths must be positive numbers")
     return LensModel(intrinsics, distortion)
 
 
 def write_lens(path: str | Path, lens: LensModel, error: float) -> None:
-    """Write the file that :func:`read_lens` reads, with the reprojection error [pixels].
-
-    Raises
-    ------
-    CameraError
-        If it cannot be written.
-    """
-    content = {
-        **lens.intrinsics._asdict(),
-        "distortion": lens.distortion,
-        "reprojection_px": round(error, 4),
-    }
-    try:
-        Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    except OSError as problem:
-        raise CameraError(f"{path}: {problem.strerror or problem}") from problem
+    """Write the file that :func:`read_lens` reads, with the reprojection error [pixels]."""
+    content = {**lens.intrinsics._asdict(), "distortion": lens.distortion}
+    write_json(path, {**content, "reprojection_px": round(error, 4)})
 
 
 class Rectifier:
@@ -89,11 +61,6 @@ class Rectifier:
     ----------
     note : str or None
         What is not known and was assumed.
-
-    Raises
-    ------
-    CameraError
-        If the file cannot be read, or the field of view makes no sense.
     """
 
     def __init__(self, path: str = "", fov: float = 0.0) -> None:
@@ -110,13 +77,7 @@ class Rectifier:
         self._fov = fov or USUAL_FOV
 
     def rectify(self, colour: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Intrinsics]:
-        """Return the rectified picture and its intrinsics.
-
-        Raises
-        ------
-        CameraError
-            If the picture does not have the proportions of the lens file.
-        """
+        """Return the rectified picture and its intrinsics."""
         height, width = colour.shape[:2]
         if self._lens is None:
             f = width / 2 / math.tan(math.radians(self._fov) / 2)

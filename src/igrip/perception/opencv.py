@@ -8,18 +8,7 @@ from igrip.errors import requires_extra
 
 
 def load_opencv(purpose: str) -> Any:
-    """Return the module ``cv2``.
-
-    Parameters
-    ----------
-    purpose : str
-        What needs it; begins the message of the error.
-
-    Raises
-    ------
-    MissingExtraError
-        If it is not installed.
-    """
+    """Return the module ``cv2``; ``purpose`` begins the message of the MissingExtraError."""
     with requires_extra("opencv-python-headless", "hands", purpose):
         import cv2
     return cv2

@@ -63,15 +63,6 @@ def measure_palm(
     A plane is fitted to the depths inside the triangle of the three landmarks, which background
     between fingers cannot enter; pixels off the nearer surface are left out.
 
-    Parameters
-    ----------
-    hand : HandDetection
-        In the frame's colour picture.
-    frame : RgbdFrame
-        With depth aligned to it.
-    config : PalmConfig
-        When it is enough.
-
     Returns
     -------
     Hand or None
@@ -103,13 +94,9 @@ def measure_palm(
     std = np.sqrt(np.diag(rotation @ covariance @ rotation.T))
     landmarks = _landmarks(hand, frame, centre[2], unit, config) if config.landmarks else None
     return Hand(
-        position=_world(frame, centre),
-        t=frame.t,
-        landmarks=landmarks,
-        std=(float(std[0]), float(std[1]), float(std[2])),
-        score=hand.score,
-        source=frame.camera,
-    )
+        position=_world(frame, centre), t=frame.t, landmarks=landmarks,
+        std=(float(std[0]), float(std[1]), float(std[2])), score=hand.score, source=frame.camera,
+    )  # fmt: skip
 
 
 def _world(frame: RgbdFrame, point: Array) -> Vector:
@@ -152,14 +139,8 @@ def _turn(start: Array, end: Array, points: Array) -> Array:
 def _fit(at: Array, depths: Array, thickness: float) -> tuple[Array, int, float]:
     """Fit a plane to the nearer surface; on a plane 1 / depth is linear in the pixels.
 
-    Returns
-    -------
-    plane : (3,)
-        1 / depth [1/m] = plane · (u, v, 1), pixels as given.
-    kept : int
-        How many depths it rests on.
-    spread : float
-        Their standard deviation about it [m].
+    Return the plane, (3,), so that 1 / depth [1/m] = plane · (u, v, 1), how many depths it rests
+    on, and their standard deviation about it [m].
     """
     terms = np.column_stack([at, np.ones(len(at))])
     near = float(np.quantile(depths, NEAR_QUANTILE))
@@ -191,9 +172,8 @@ def _landmarks(
     for k, (u, v) in enumerate(np.round(hand.landmarks).astype(int)):
         if not (0 <= u < width and 0 <= v < height):
             return None
-        patch = frame.depth[
-            max(v - radius, 0) : v + radius + 1, max(u - radius, 0) : u + radius + 1
-        ]
+        rows, columns = (slice(max(at - radius, 0), at + radius + 1) for at in (v, u))
+        patch = frame.depth[rows, columns]
         near = patch[(patch > 0.0) & (np.abs(patch - palm) < config.max_length)]
         if len(near) == 0:
             return None

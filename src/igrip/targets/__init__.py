@@ -1,4 +1,4 @@
-"""What a targets estimator is: one instance per hand, from cues to a belief about the target."""
+"""Targets estimators: one instance per hand, from cues to an estimate of the target."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Scores = NDArray[np.float64]
 
 
 class TargetEstimate(NamedTuple):
-    """What an estimator holds about the target of one hand. Arrays in the order of the objects.
+    """Estimate of the target of one hand. Arrays in the order of the objects.
 
     Attributes
     ----------
     target : int or None
         Index of the target; None: no decision.
     scores : (o,)
-        The score by which it was chosen.
+        The scores by which it was chosen.
     probability : (o + 1,) or None
         Probability of each object and, last, of none; None if the scores are not calibrated.
     """
@@ -40,7 +40,7 @@ class TargetsEstimator(Protocol):
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
     ) -> TargetEstimate:
-        """Take one frame: motion of the hand, its geometry, and the scores of each cue."""
+        """Return the estimate after a frame, from the hand's motion, geometry and cue scores."""
         ...
 
 
@@ -54,5 +54,5 @@ def best_of(scores: Scores) -> int | None:
     highest = max(values, default=0.0)
     if not highest > 0.0 or any(map(math.isnan, values)):
         return None
-    near = [o for o, value in enumerate(values) if value >= highest - TIE]
-    return near[0] if len(near) == 1 else None
+    best = [o for o, value in enumerate(values) if value >= highest - TIE]
+    return best[0] if len(best) == 1 else None

@@ -1,4 +1,4 @@
-"""Estimators made of the paper's four cues: their weighted mean (Eqs. 6-9), or one alone."""
+"""Estimators from the paper's four cues: their weighted mean (Eqs. 6-9), or one alone."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class WeightedCues:
     Parameters
     ----------
     weights : function
-        From the speed and the peak speed of the window before it to w_0 and w_1.
+        ``(speed, window_peak_speed) → (w_0, w_1)``, see :class:`igrip.motion.trajectory.Motion`.
     """
 
     def __init__(self, weights: Callable[[float, float | None], Weights]) -> None:

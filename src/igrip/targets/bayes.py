@@ -1,11 +1,11 @@
 """A recursive posterior over the objects and none.
 
-While a hand moves, the log-odds of each object are pooled: those believed so far, faded over a
-short memory and with a small chance of a change of mind, and those that a learned scorer reads off
-the movement (``learned.features``, ``learned.network``). A movement is seen
-through much the same features from sample to sample, so its samples are no independent witnesses;
-a product of likelihoods would be sure of itself far too soon. While a hand rests, nothing speaks
-for an object: what is believed is kept and forgotten slowly in favour of none.
+While a hand moves, two log-odds of each object are pooled: those of the posterior so far, faded
+over a short memory and with a small probability of a switch of target, and those that a learned
+scorer computes from the movement (``learned.features``, ``learned.network``). The features of
+successive samples are much alike, so samples are not independent; a product of likelihoods would be
+overconfident far too soon. While a hand rests, there is no evidence for any object: the posterior
+decays slowly towards that of a resting hand (docs/decisions/0006-pooled-posterior.md).
 """
 
 from __future__ import annotations
@@ -21,53 +21,54 @@ from igrip.compiled import kernel
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
-from igrip.targets.learned.features import LOCAL, SHARED, describe
+from igrip.targets.learned.features import features_of
 from igrip.targets.learned.network import Scorer, read_scorer
 
 WEIGHTS = Path(__file__).with_name("learned") / "bayes.json"
-CHANGE_OF_MIND = 0.1  # a second, guess
-REST_MEMORY = 1.0  # s, time constant with which a resting hand's belief is forgotten; guess
-NONE_AT_REST = 0.4  # what is then at least believed of none: it may be about to reach; guess
-MAX_REST = 0.1  # s between two samples; what happened in a longer gap was not seen
-NAMELESS = 0.97  # a moving hand has no target where none is likelier than this
-UNLIKELY = 1e-6  # no object is ever ruled out for good
+SWITCH_RATE = 0.1  # 1/s; rate at which a hand switches to another target; guess
+REST_TIME_CONSTANT = 1.0  # s; decay of the posterior of a resting hand; guess
+MIN_NONE_AT_REST = 0.4  # probability of none of a resting hand: it may be about to reach; guess
+MAX_REST_STEP = 0.1  # s; a longer gap between two samples counts as this, since it was not observed
+MAX_NONE = 0.97  # a moving hand has no target if none is likelier than this
+FLOOR = 1e-6  # probability that all objects keep together: none is ever ruled out for good
 
 
 @kernel
-def pool(belief, scores, keep, change):
-    """Pool what was believed with what the scorer says, in place.
+def pool(posterior, scores, keep, switch):
+    """Pool the posterior with the scorer's log-odds, in place.
 
-    ``log b' = keep · log((1 - change) b + change / (o + 1)) + (1 - keep) · score + constant``
+    ``log p' = keep · log((1 - switch) p + switch / (o + 1)) + (1 - keep) · score + constant``
 
     Parameters
     ----------
-    belief : (o + 1,), changed
+    posterior : (o + 1,), changed
         Probability of each object and, last, of none.
     scores : (o,)
         Log-odds of each object against none.
-    keep, change : float
-        Part of the log-odds that is kept; probability that the aim has changed since.
+    keep, switch : float
+        Weight of the posterior's log-odds; probability that the target has changed since.
     """
-    last = len(belief) - 1
+    last = len(posterior) - 1
     highest = -math.inf
     for k in range(last + 1):
-        prior = (1.0 - change) * belief[k] + change / (last + 1)
+        prior = (1.0 - switch) * posterior[k] + switch / (last + 1)
         score = scores[k] if k < last else 0.0
-        belief[k] = keep * math.log(max(prior, 1e-300)) + (1.0 - keep) * score
-        highest = max(highest, belief[k])
+        posterior[k] = keep * math.log(max(prior, 1e-300)) + (1.0 - keep) * score
+        highest = max(highest, posterior[k])
     total = 0.0
     for k in range(last + 1):
-        belief[k] = math.exp(belief[k] - highest)
-        total += belief[k]
+        posterior[k] = math.exp(posterior[k] - highest)
+        total += posterior[k]
     for k in range(last + 1):
-        belief[k] = (belief[k] / total + UNLIKELY / (last + 1)) / (1.0 + UNLIKELY)
+        posterior[k] = (posterior[k] / total + FLOOR / (last + 1)) / (1.0 + FLOOR)
 
 
-def resting(objects: int) -> Scores:
-    """Return what is believed of a hand that has long been at rest, shape (objects + 1,)."""
+def resting_posterior(objects: int) -> Scores:
+    """Return the posterior of a hand that has long been at rest, shape (objects + 1,)."""
     if not objects:
         return np.ones(1)
-    none = max(NONE_AT_REST, 2.0 / (2.0 + objects))  # at least twice as likely as any one object
+    # at least twice as likely as any one object
+    none = max(MIN_NONE_AT_REST, 2.0 / (2.0 + objects))
     return np.append(np.full(objects, (1.0 - none) / objects), none)
 
 
@@ -89,7 +90,7 @@ class Bayes:
     def __init__(self, scorer: Scorer | None = None) -> None:
         self._scorer = scorer or default_scorer()
         self._ids: list[str] = []
-        self._belief = resting(0)
+        self._posterior = resting_posterior(0)
         self._t = math.nan
 
     def update(
@@ -98,43 +99,41 @@ class Bayes:
         """Return the probability of each object and of none.
 
         The target of a moving hand is the most probable object, unless none is likelier than 0.97:
-        early in a reach much speaks for none, and yet which object it would be is often clear. A
-        hand at rest has the target that is likelier than none.
+        early in a reach none is often likely although the best object is clear. A hand at rest has
+        a target only if that is likelier than none.
         """
-        moves = motion.reach.moving
+        moving = motion.reach.moving
         self._follow_objects([placed.id for placed in geometry.objects])
         objects = len(self._ids)
         passed = 0.0 if math.isnan(self._t) else motion.t - self._t
         self._t = motion.t
-        belief = self._belief
-        # a resting hand that stirs may begin to reach, or hold what it has reached and tremble
-        held = objects > 0 and belief[:-1].max() > belief[-1]
-        looks = moves or (motion.reach.stirs and not held)
-        if looks and objects:
-            local, shared = np.empty((objects, len(LOCAL))), np.empty(len(SHARED))
-            describe(*motion.reach[1:], geometry.cylinders(), local, shared)
+        posterior = self._posterior
+        # a resting hand that may move begins a reach, or trembles at the object it has reached
+        arrived = objects > 0 and posterior[:-1].max() > posterior[-1]
+        observed = moving or (motion.reach.may_move and not arrived)
+        if observed and objects:
+            scores = self._scorer.score(features_of(motion.reach, geometry.cylinders()))
             keep = math.exp(-passed / self._scorer.memory)
-            change = -math.expm1(-CHANGE_OF_MIND * passed)
-            pool(belief, self._scorer.score(local, shared), keep, change)
-        elif not looks:
-            keep = math.exp(-min(passed, MAX_REST) / REST_MEMORY)
-            belief[:] = keep * belief + (1.0 - keep) * resting(objects)
-        best = best_of(belief[:-1])
-        limit = NAMELESS if moves or best is None else float(belief[best])
-        target = best if belief[-1] <= limit else None
-        return TargetEstimate(target, belief[:-1].copy(), belief.copy())
+            pool(posterior, scores, keep, -math.expm1(-SWITCH_RATE * passed))
+        elif not observed:
+            keep = math.exp(-min(passed, MAX_REST_STEP) / REST_TIME_CONSTANT)
+            posterior[:] = keep * posterior + (1.0 - keep) * resting_posterior(objects)
+        best = best_of(posterior[:-1])
+        limit = MAX_NONE if moving or best is None else float(posterior[best])
+        target = best if posterior[-1] <= limit else None
+        return TargetEstimate(target, posterior[:-1].copy(), posterior.copy())
 
     def _follow_objects(self, ids: list[str]) -> None:
-        """Carry the belief over to the objects that are there now; what vanishes goes to none."""
+        """Carry the posterior over to the present objects; that of vanished ones goes to none."""
         if ids == self._ids:
             return
         if not self._ids:
-            self._ids, self._belief = ids, resting(len(ids))
+            self._ids, self._posterior = ids, resting_posterior(len(ids))
             return
-        known = dict(zip(self._ids, self._belief.tolist(), strict=False))
-        objects = np.array([known.get(id, UNLIKELY) for id in ids])
-        objects *= min(1.0, 1.0 / max(objects.sum(), UNLIKELY))
-        self._ids, self._belief = ids, np.append(objects, max(0.0, 1.0 - objects.sum()))
+        known = dict(zip(self._ids, self._posterior.tolist(), strict=False))
+        objects = np.array([known.get(id, FLOOR) for id in ids])
+        objects *= min(1.0, 1.0 / max(objects.sum(), FLOOR))
+        self._ids, self._posterior = ids, np.append(objects, max(0.0, 1.0 - objects.sum()))
 
 
 TARGETS.register("bayes")(Bayes)

@@ -16,33 +16,39 @@ import numpy as np
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
-from igrip.targets.learned.reach_library import Follower, Witness, learned, log_volume
+from igrip.targets.learned.reach_library import (
+    AccumulatedLikelihood,
+    ReachFrames,
+    library_array,
+    log_volume,
+)
 
 
 class Gaussians:
     """Classifies a movement by Gaussians over time."""
 
     def __init__(self) -> None:
-        self._step = float(learned("gaussians", "step_s", shape=()))
-        self._mean = learned("gaussians", "mean", shape=(-1, 2))
-        covariance = learned("gaussians", "covariance", shape=(len(self._mean), 2, 2))
+        self._step = float(library_array("gaussians", "step_s", shape=()))
+        self._mean = library_array("gaussians", "mean", shape=(-1, 2))
+        covariance = library_array("gaussians", "covariance", shape=(len(self._mean), 2, 2))
         self._precision = np.linalg.inv(covariance)
         self._log_size = 0.5 * np.linalg.slogdet(self._precision)[1]
-        self._follower, self._witness = Follower(), Witness(self._step)
+        self._frames, self._likelihood = ReachFrames(), AccumulatedLikelihood(self._step)
 
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
     ) -> TargetEstimate:
         """Return the object whose reach the movement so far fits best."""
-        seen = self._follower.update(motion, geometry)
-        if seen is None:
-            shares = self._witness.shares(geometry)
-            return TargetEstimate(best_of(shares), shares)
-        k = min(round(seen.elapsed / self._step), len(self._mean) - 1)
-        off = seen.place - self._mean[k]
-        fit = -0.5 * np.einsum("oi,ij,oj->o", off, self._precision[k], off) + self._log_size[k]
-        shares = self._witness.hear(geometry, seen, fit - log_volume(seen))
-        return TargetEstimate(best_of(shares), shares)
+        reach = self._frames.update(motion, geometry)
+        if reach is None:
+            probability = self._likelihood.probability(geometry)
+            return TargetEstimate(best_of(probability), probability)
+        k = min(round(reach.elapsed / self._step), len(self._mean) - 1)
+        offset = reach.place - self._mean[k]
+        fit = -0.5 * np.einsum("oi,ij,oj->o", offset, self._precision[k], offset)
+        fit += self._log_size[k]
+        probability = self._likelihood.add(geometry, reach, fit - log_volume(reach))
+        return TargetEstimate(best_of(probability), probability)
 
 
 TARGETS.register("gaussians")(Gaussians)

@@ -14,37 +14,42 @@ import numpy as np
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
-from igrip.targets.learned.reach_library import Follower, Witness, learned, log_volume
+from igrip.targets.learned.reach_library import (
+    AccumulatedLikelihood,
+    ReachFrames,
+    library_array,
+    log_volume,
+)
 
-STEP = 1.0 / 30.0  # s that a sample stands for
+STEP = 1.0 / 30.0  # s; time that a sample stands for
 
 
 class Mixtures:
     """Classifies a movement by a Gaussian mixture over time and place."""
 
     def __init__(self) -> None:
-        self._mean = learned("mixture", "mean", shape=(-1, 3))
+        self._mean = library_array("mixture", "mean", shape=(-1, 3))
         parts = len(self._mean)
-        precision = np.linalg.inv(learned("mixture", "covariance", shape=(parts, 3, 3)))
+        precision = np.linalg.inv(library_array("mixture", "covariance", shape=(parts, 3, 3)))
         self._root = np.linalg.cholesky(precision)
-        weight = learned("mixture", "weight", shape=(parts,))
+        weight = library_array("mixture", "weight", shape=(parts,))
         self._log_weight = np.log(weight) + 0.5 * np.linalg.slogdet(precision)[1]
-        self._follower, self._witness = Follower(), Witness(STEP)
+        self._frames, self._likelihood = ReachFrames(), AccumulatedLikelihood(STEP)
 
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
     ) -> TargetEstimate:
         """Return the object under whose reach the samples so far are likeliest."""
-        seen = self._follower.update(motion, geometry)
-        if seen is None:
-            shares = self._witness.shares(geometry)
-            return TargetEstimate(best_of(shares), shares)
-        at = np.column_stack([np.full(len(seen.place), seen.elapsed), seen.place])
-        off = np.einsum("okj,kji->oki", at[:, None] - self._mean, self._root)
-        each = self._log_weight - 0.5 * (off**2).sum(axis=2)
-        fit = np.logaddexp.reduce(each, axis=1) - log_volume(seen)
-        shares = self._witness.hear(geometry, seen, fit)
-        return TargetEstimate(best_of(shares), shares)
+        reach = self._frames.update(motion, geometry)
+        if reach is None:
+            probability = self._likelihood.probability(geometry)
+            return TargetEstimate(best_of(probability), probability)
+        at = np.column_stack([np.full(len(reach.place), reach.elapsed), reach.place])
+        offset = np.einsum("okj,kji->oki", at[:, None] - self._mean, self._root)
+        each = self._log_weight - 0.5 * (offset**2).sum(axis=2)
+        fit = np.logaddexp.reduce(each, axis=1) - log_volume(reach)
+        probability = self._likelihood.add(geometry, reach, fit)
+        return TargetEstimate(best_of(probability), probability)
 
 
 TARGETS.register("mixtures")(Mixtures)

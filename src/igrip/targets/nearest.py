@@ -1,4 +1,4 @@
-"""A baseline without a memory: the nearest object."""
+"""Baseline without memory: the nearest object."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Nearest:
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
     ) -> TargetEstimate:
-        """Score each object by the least distance over its own."""
+        """Score each object by the smallest distance over its own."""
         distances = np.maximum(geometry.surface, 1e-6)
         scores = distances.min(initial=np.inf) / distances
         return TargetEstimate(best_of(scores), scores)

@@ -1,8 +1,8 @@
 """Baseline: kinematic template matching (Pasqual & Wobbrock 2014, CHI, 743-752).
 
 The profile of speed so far is compared with the beginnings of a library of profiles; the one with
-the least mean absolute difference, summed over the updates, says how far the whole movement goes.
-That distance along the present direction from the start is the predicted end, and the object next
+the smallest mean absolute difference, summed over the updates, gives the length of the movement.
+That length along the present direction from the start is the predicted end, and the object nearest
 to it the target.
 """
 
@@ -13,11 +13,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.geometry import cylinder
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
-from igrip.targets.learned.reach_library import Follower, learned
+from igrip.targets.learned.reach_library import ReachFrames, library_array
 
 Array = NDArray[np.float64]
 
@@ -26,48 +25,46 @@ class Templates:
     """Predicts the end of a movement from profiles of speed."""
 
     def __init__(self) -> None:
-        self._step = float(learned("templates", "step_s", shape=()))
-        self._speeds = learned("templates", "speed", shape=(-1, -1))
-        self._distances = learned("templates", "distance", shape=(len(self._speeds),))
-        self._follower = Follower()
+        self._step = float(library_array("templates", "step_s", shape=()))
+        self._speeds = library_array("templates", "speed", shape=(-1, -1))
+        self._distances = library_array("templates", "distance", shape=(len(self._speeds),))
+        self._frames = ReachFrames()
         self._end: Array | None = None
-        self._begin()
+        self._reset()
 
-    def _begin(self) -> None:
-        self._profile = [(0.0, 0.0)]
-        self._apart = np.zeros(len(self._distances))
+    def _reset(self) -> None:
+        self._profile = [(0.0, 0.0)]  # time since onset, speed
+        self._difference = np.zeros(len(self._distances))
 
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
     ) -> TargetEstimate:
-        """Return the object next to the predicted end."""
-        seen = self._follower.update(motion, geometry)
-        if seen is None:  # a hand that has stopped keeps the end that was predicted
-            return self._next_to(self._end, geometry)
-        if seen.begins or seen.elapsed < self._profile[-1][0]:
-            self._begin()
-        now, start = motion.reach.now, motion.reach.start
-        self._profile.append((seen.elapsed, float(np.linalg.norm(now[3:6]))))
+        """Return the object nearest to the predicted end."""
+        reach = self._frames.update(motion, geometry)
+        if reach is None:  # a hand that has stopped keeps its predicted end
+            return self._nearest(self._end, geometry)
+        if reach.begins or reach.elapsed < self._profile[-1][0]:
+            self._reset()
+        (position, velocity, _), start = motion.reach.now, motion.reach.start
+        self._profile.append((reach.elapsed, float(np.linalg.norm(velocity))))
         known = np.array(self._profile)
-        steps = min(1 + int(seen.elapsed / self._step), self._speeds.shape[1])
+        steps = min(1 + int(reach.elapsed / self._step), self._speeds.shape[1])
         so_far = np.interp(self._step * np.arange(steps), known[:, 0], known[:, 1])
         difference = np.abs(self._speeds[:, :steps] - so_far).mean(axis=1)
-        self._apart += difference * seen.passed / self._step
-        way = now[:3] - start
-        length = max(float(np.linalg.norm(way)), 1e-9)
-        whole = max(length, self._distances[int(np.argmin(self._apart))])
-        self._end = start + way / length * whole
-        return self._next_to(self._end, geometry)
+        self._difference += difference * reach.passed / self._step
+        offset = position - start
+        covered = max(float(np.linalg.norm(offset)), 1e-9)
+        length = max(covered, self._distances[int(np.argmin(self._difference))])
+        self._end = start + offset / covered * length
+        return self._nearest(self._end, geometry)
 
     @staticmethod
-    def _next_to(end: Array | None, geometry: Geometry) -> TargetEstimate:
-        """Score each object by the least distance from the predicted end over its own."""
+    def _nearest(end: Array | None, geometry: Geometry) -> TargetEstimate:
+        """Score each object by the smallest distance from the predicted end over its own."""
         if end is None or not geometry.objects:
             return TargetEstimate(None, np.zeros(len(geometry.objects)))
-        away = np.linalg.norm(
-            geometry.cylinders()[:, cylinder.MIDDLE : cylinder.AXIS] - end, axis=1
-        )
-        scores = away.min() / np.maximum(away, 1e-9)
+        distance = np.linalg.norm(geometry.cylinders().centre - end, axis=1)
+        scores = distance.min() / np.maximum(distance, 1e-9)
         return TargetEstimate(best_of(scores), scores)
 
 

@@ -24,7 +24,8 @@ def message(k, target="cup", hand="right", rejected=(), p=1.0):
     """Return the evidence at 50 Hz of a hand that moves to a target it is sure of, far from it."""
     evidence = Evidence(
         t=k / 50, measured=k / 50, position=(0.0, 0.0, 0.0), trusted=True, moving=True,
-        target=target, grip="palmar", confidence={target: p}, seen={target}, gaps={target: 0.4},
+        target=target, grip="palmar", confidence={target: p},
+        trusted_objects={target}, distances={target: 0.4},
     )  # fmt: skip
     return MessageEvidence({hand: evidence}, frozenset(rejected))
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from igrip.lab.rendering.scene import Overlay, RenderConfig, colour_of, strewn_scene
+from igrip.lab.rendering.scene import Overlay, RenderConfig, colour_of, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS
 
 
 @pytest.fixture(scope="module")
 def scene(ycb):
-    return strewn_scene(ycb, PAPER_OBJECTS, np.random.default_rng(1))
+    return random_scene(ycb, PAPER_OBJECTS, np.random.default_rng(1))
 
 
 def test_one_seed_one_frame(scene):

@@ -14,7 +14,9 @@ WIDTH, HEIGHT = 64, 48
 
 @pytest.fixture(scope="module")
 def rs():
-    pytest.importorskip("pyrealsense2", reason="RealSense: pip install 'igrip[realsense]'")
+    pytest.importorskip(
+        "pyrealsense2", reason="RealSense: pip install 'igrip[realsense]'", exc_type=ImportError
+    )
     return realsense.load_realsense()
 
 

@@ -160,7 +160,7 @@ def test_a_camera_that_misses_an_object_takes_nothing_from_one_that_sees_it():
 
 def test_every_hand_that_is_seen_covers_what_is_behind_it_but_not_for_long():
     things = Things({})
-    stage = ObjectStage(things)
+    stage = ObjectStage(things, CrossCameraVisibility())
     seen = DetectedHands(frame(1.0, depth=None), {}, {}, [HAND, HAND])
     stage(frame(1.1), seen)
     stage(frame(2.0), seen)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from igrip.errors import IgripError, UnknownModelError
 from igrip.lab.rendering.layout import PlacedMesh, look_at
-from igrip.lab.rendering.scene import Overlay, RenderedScene, colour_of, strewn_scene
+from igrip.lab.rendering.scene import Overlay, RenderedScene, colour_of, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.perception.poses import POSES
 from igrip.perception.poses.depth import DepthPoses
@@ -68,7 +68,7 @@ def film(estimator, scene, count, start=0.0, overlays=(), hands=(), seed=0):
 @pytest.mark.parametrize("seed", [100, 102, 103])  # in which none hides another
 def test_four_objects_are_found_and_tracked(catalog, seed):
     random = np.random.default_rng(seed)
-    scene = strewn_scene(catalog, PAPER_OBJECTS, random)
+    scene = random_scene(catalog, PAPER_OBJECTS, random)
     estimator = DepthPoses(catalog, {"models": PAPER_OBJECTS})
     for poses in film(estimator, scene, 4, start=1.0):
         for name, pose in poses.items():

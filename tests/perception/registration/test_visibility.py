@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from igrip.lab.rendering.scene import RenderConfig, strewn_scene
+from igrip.lab.rendering.scene import RenderConfig, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import shape_of
@@ -17,7 +17,7 @@ from igrip.perception.registration.visibility import (
 
 @pytest.fixture(scope="module")
 def scene(ycb):
-    return strewn_scene(
+    return random_scene(
         ycb, PAPER_OBJECTS[1:], np.random.default_rng(4), config=RenderConfig(noise=None)
     )
 

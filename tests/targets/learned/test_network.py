@@ -11,14 +11,14 @@ from scipy.special import logsumexp
 import igrip
 from igrip.errors import IgripError
 from igrip.targets.bayes import WEIGHTS, default_scorer
-from igrip.targets.learned.features import LOCAL, SHARED
+from igrip.targets.learned.features import LOCAL, SHARED, Features
 from igrip.targets.learned.network import (
-    ABSURD,
-    BOUND,
     HEADING,
     INPUTS,
-    RIVALRY,
-    arrange,
+    MAX_DEFICIT,
+    MAX_INPUT,
+    RIVAL_SHARPNESS,
+    arrange_inputs,
     read_scorer,
 )
 
@@ -34,28 +34,29 @@ def some(rng, objects=4):
     return local, rng.normal(size=len(SHARED))
 
 
-def oracle(scorer, local, shared):
-    weight = np.exp(RIVALRY * local[:, HEADING])
+def oracle(layers, local, shared):
+    weight = np.exp(RIVAL_SHARPNESS * local[:, HEADING])
     rivals = weight @ local / weight.sum()
     inputs = np.hstack([local, local - rivals, np.tile(shared, (len(local), 1))])
-    z = np.clip((inputs - scorer.mean) / scorer.scale, -BOUND, BOUND)
-    outputs = np.tanh(z @ scorer.hidden + scorer.bias) @ scorer.out_weights + scorer.out_bias
-    which, whether = outputs.T
-    which = which + np.minimum(0.0, whether - whether.max() + ABSURD)
-    return which - logsumexp(which) + logsumexp(whether)
+    z = np.clip((inputs - layers.mean) / layers.scale, -MAX_INPUT, MAX_INPUT)
+    outputs = np.tanh(z @ layers.hidden + layers.bias) @ layers.out_weights + layers.out_bias
+    target, reach = outputs.T
+    target = target + np.minimum(0.0, reach - reach.max() + MAX_DEFICIT)
+    return target - logsumexp(target) + logsumexp(reach)
 
 
 @pytest.mark.parametrize("objects", [0, 1, 4, 100])
 def test_scores_are_those_of_plain_numpy(scorer, objects):
     local, shared = some(np.random.default_rng(objects), objects)
-    expected = oracle(scorer, local, shared) if objects else np.empty(0)
-    assert scorer.score(local, shared) == pytest.approx(expected, rel=1e-9)
+    expected = oracle(scorer.layers, local, shared) if objects else np.empty(0)
+    assert scorer.score(Features(local, shared)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_order_changes_nothing_but_the_order(scorer):
     local, shared = some(np.random.default_rng(5))
     order = [3, 1, 0, 2]
-    assert scorer.score(local[order], shared) == pytest.approx(scorer.score(local, shared)[order])
+    turned = scorer.score(Features(local[order], shared))
+    assert turned == pytest.approx(scorer.score(Features(local, shared))[order])
 
 
 def test_objects_behind_are_no_rivals():
@@ -65,8 +66,8 @@ def test_objects_behind_are_no_rivals():
     behind = rng.normal(size=(90, len(LOCAL)))
     behind[:, HEADING] = -0.5
     few, many = np.empty((2, len(INPUTS))), np.empty((92, len(INPUTS)))
-    arrange(local, shared, few)
-    arrange(np.concatenate([local, behind]), shared, many)
+    arrange_inputs(local, shared, few)
+    arrange_inputs(np.concatenate([local, behind]), shared, many)
     assert many[:2] == pytest.approx(few, abs=1e-3)
 
 

@@ -50,7 +50,7 @@ def find_leases(messages: Iterable[MessageEvidence], config: CommitmentConfig) -
     leases = []
     for message in messages:
         for hand in message.rejected & committers.keys():
-            committers[hand].doubt()
+            committers[hand].reject()
         for hand, evidence in message.hands.items():
             if hand not in committers:
                 committers[hand] = Committer(config)

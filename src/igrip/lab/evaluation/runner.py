@@ -63,7 +63,9 @@ class EstimatorRun:
             self.speeds.append(motion.speed if answered and motion else math.nan)
         # which objects are trusted changes with the next message, so it is written down now
         evidence = {
-            hand: e._replace(seen=frozenset(id for id in e.gaps if id in e.seen))
+            hand: e._replace(
+                trusted_objects=frozenset(id for id in e.distances if id in e.trusted_objects)
+            )
             for hand, e in estimator.evidence.items()
         }
         self.evidence.append(MessageEvidence(evidence, frozenset(estimator.rejected_hands)))

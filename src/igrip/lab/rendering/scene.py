@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.lab.rendering.draw import draw_mesh
-from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh, looking_camera, strew
+from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh, random_camera, scatter
 from igrip.lab.rendering.stereo import StereoNoise, measured_depth
 from igrip.objects.catalog import Catalog
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
@@ -75,9 +75,9 @@ class RenderedScene:
     config: RenderConfig = field(default_factory=RenderConfig)
 
     def truth(self) -> tuple[Array, NDArray[np.int32]]:
-        """Return the true depth (h, w) [m], infinity for nothing, and what is seen, (h, w).
+        """Return the true depth (h, w) [m], infinity for nothing, and labels, (h, w).
 
-        What is seen: the number of the object in their order, -1 table, -2 floor, -3 nothing.
+        A label is the number of the object in their order, -1 table, -2 floor, -3 nothing.
         """
         depth, labels = self._drawn
         return depth.copy(), labels.copy()
@@ -88,7 +88,6 @@ class RenderedScene:
         depth, labels = np.full(shape, np.inf), np.full(shape, NOTHING, dtype=np.int32)
         self._draw_plane(depth, labels, -self.config.table_height, FLOOR_LABEL)
         self._draw_plane(depth, labels, 0.0, TABLE)
-        pinhole = np.array(self.intrinsics[2:])
         camera_from_world = np.linalg.inv(self.world_from_camera)
         for number, placed in enumerate(self.objects.values()):
             camera_from_mesh = camera_from_world @ placed.pose
@@ -96,8 +95,8 @@ class RenderedScene:
             sphere[:3] = camera_from_mesh[:3, :3] @ sphere[:3] + camera_from_mesh[:3, 3]
             bvh = placed.model.bvh
             draw_mesh(
-                bvh.boxes, bvh.links, bvh.leaves, np.linalg.inv(camera_from_mesh), sphere, pinhole,
-                number, depth, labels,
+                bvh.boxes, bvh.links, bvh.leaves, np.linalg.inv(camera_from_mesh), sphere,
+                self.intrinsics, number, depth, labels,
             )  # fmt: skip
         return depth, labels
 
@@ -147,11 +146,11 @@ class RenderedScene:
         with np.errstate(divide="ignore", invalid="ignore"):
             z = (height - pose[2, 3]) / rays[..., 2]
             at = pose[:3, 3] + z[..., None] * rays
-        seen = np.isfinite(z) & (z > 0.0) & (z < depth)
+        visible = np.isfinite(z) & (z > 0.0) & (z < depth)
         if label == TABLE:
-            seen &= np.abs(at[..., 0]) <= 0.5 * self.config.table_width
-            seen &= np.abs(at[..., 1]) <= 0.5 * self.config.table_depth
-        depth[seen], labels[seen] = z[seen], label
+            visible &= np.abs(at[..., 0]) <= 0.5 * self.config.table_width
+            visible &= np.abs(at[..., 1]) <= 0.5 * self.config.table_depth
+        depth[visible], labels[visible] = z[visible], label
 
     def _colour(self, labels: NDArray[np.int32], cosine: Array) -> Array:
         palette = [colour_of(placed.model.name) for placed in self.objects.values()]
@@ -161,7 +160,7 @@ class RenderedScene:
         return result
 
 
-def strewn_scene(
+def random_scene(
     catalog: Catalog,
     names: Sequence[str],
     random: np.random.Generator,
@@ -169,13 +168,13 @@ def strewn_scene(
     config: RenderConfig | None = None,
     intrinsics: Intrinsics = OAK,
 ) -> RenderedScene:
-    """Return a scene of these models, strewn over the table, and a camera at a random place.
+    """Return a scene of these models, scattered over the table, and a camera at a random place.
 
     Ids are the names of the models. For the other parameters see the classes they belong to.
     """
     layout = layout or LayoutConfig()
-    placed = strew([catalog[name] for name in names], layout, random)
-    camera = looking_camera(layout, random)
+    placed = scatter([catalog[name] for name in names], layout, random)
+    camera = random_camera(layout, random)
     objects = dict(zip(names, placed, strict=True))
     return RenderedScene(objects, camera, intrinsics, config or RenderConfig())
 

@@ -62,13 +62,7 @@ class Board(Settings):
         return np.array([[right, top, 0], [left, top, 0], [left, bottom, 0], [right, bottom, 0]])
 
     def svg(self) -> str:
-        """Return its picture at its true size, to be printed without scaling.
-
-        Raises
-        ------
-        MissingExtraError
-            If OpenCV, which knows the patterns, is not installed.
-        """
+        """Return its picture at its true size, to be printed without scaling."""
         width, height = (1000 * (length + 2 * MARGIN) for length in self.extent)
         cell = 1000 * self.tag_size / CELLS
         squares = []
@@ -108,18 +102,7 @@ def pattern(id: int, cell: int = 1) -> NDArray[np.uint8]:
 
 
 class BoardDetector:
-    """Finds the corners of a board's tags in pictures.
-
-    Parameters
-    ----------
-    board : Board
-        What is looked for.
-
-    Raises
-    ------
-    MissingExtraError
-        If pupil-apriltags or OpenCV is not installed.
-    """
+    """Finds the corners of a board's tags in pictures."""
 
     def __init__(self, board: Board) -> None:
         self._ids = board.ids

@@ -13,12 +13,13 @@ from igrip.errors import CameraError
 from igrip.perception.calibration.board import Board, BoardDetector
 from igrip.perception.opencv import load_opencv
 from igrip.perception.placements import Placement
+from igrip.perception.transforms import rigid
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 from igrip.settings import Settings, quantity
 
 
 class CalibrationConfig(Settings):
-    """How much must be seen, and how well it must fit."""
+    """How many tags and pictures are needed, and how well they must fit."""
 
     max_views: int = quantity(30, "1", "pictures of each camera that are used", "guess", ge=1)
     min_tags: int = quantity(4, "1", "tags that must be in the picture", "guess", ge=2)
@@ -31,25 +32,12 @@ class CalibrationConfig(Settings):
 
 
 class BoardViews:
-    """The corners of the board in one camera's pictures and, where it has depth, how far they are.
-
-    Parameters
-    ----------
-    intrinsics : Intrinsics
-        Of all pictures.
-
-    Attributes
-    ----------
-    corners : list of mapping of int to (4, 2)
-        For each picture, by tag [pixels].
-    depths : list of mapping of int to float
-        For each picture with depth, by tag [m].
-    """
+    """The corners of the board in one camera's pictures and, with depth, how far they are."""
 
     def __init__(self, intrinsics: Intrinsics) -> None:
-        self.intrinsics = intrinsics
-        self.corners: list[Mapping[int, Array]] = []
-        self.depths: list[Mapping[int, float]] = []
+        self.intrinsics = intrinsics  # of all pictures
+        self.corners: list[Mapping[int, Array]] = []  # of each picture, (4, 2) by tag [pixels]
+        self.depths: list[Mapping[int, float]] = []  # of each picture with depth, by tag [m]
 
     def add(self, frame: RgbdFrame, corners: Mapping[int, Array]) -> None:
         """Add one picture, with the corners that were detected in it."""
@@ -72,20 +60,10 @@ def watch_board(
     cameras: int = 1,
     config: CalibrationConfig | None = None,
 ) -> dict[str, BoardViews]:
-    """Detect the board in the frames of some seconds; return the views by camera.
+    """Detect the board in the frames of all cameras; return the views by camera.
 
-    Parameters
-    ----------
-    frames : iterable of RgbdFrame
-        Of all cameras.
-    board : Board
-        What is looked for.
-    seconds : float
-        How long, at most, by the frames' own time.
-    cameras : int
-        It ends earlier once so many cameras have given as many pictures as are used.
-    config : CalibrationConfig, optional
-        How many pictures are used.
+    It ends after ``seconds`` of the frames' own time, or once so many cameras have given as many
+    pictures as are used.
     """
     config = config or CalibrationConfig()
     detector = BoardDetector(board)
@@ -111,17 +89,6 @@ def locate_camera(
 
     Each corner is the median of those in all pictures; the pose is the least-squares fit of all
     corners (soft L1), begun from both solutions of a plane's pose (Collins & Bartoli 2014, IPPE).
-
-    Parameters
-    ----------
-    name : str
-        Of the camera, for messages.
-    views : BoardViews
-        From :func:`watch_board`.
-    board : Board
-        Its true measures.
-    config : CalibrationConfig, optional
-        What is refused.
 
     Raises
     ------
@@ -149,9 +116,7 @@ def locate_camera(
                 f"{name}: two poses fit the board equally well: bring it nearer, or look at it "
                 "from further aside"
             )
-    camera_from_world = np.eye(4)
-    camera_from_world[:3, :3] = Rotation.from_rotvec(best.x[:3]).as_matrix()
-    camera_from_world[:3, 3] = best.x[3:]
+    camera_from_world = rigid(Rotation.from_rotvec(best.x[:3]).as_matrix(), best.x[3:])
     covariance = np.linalg.pinv(best.jac.T @ best.jac) * error**2 / 2
     std = float(np.sqrt(np.trace(covariance[3:, 3:])))
     return Placement(

@@ -21,21 +21,11 @@ MAX_ERROR = 1.0  # pixels, root mean square; guess
 
 
 class LensCalibration(NamedTuple):
-    """A lens that was calibrated.
-
-    Attributes
-    ----------
-    lens : LensModel
-        Pinhole and distortion.
-    error : float
-        Root mean square of the distances of corners from where they should be [pixels].
-    views : int
-        How many pictures were used.
-    """
+    """A lens that was calibrated."""
 
     lens: LensModel
-    error: float
-    views: int
+    error: float  # root mean square of the distances of corners from where they should be [pixels]
+    views: int  # pictures that were used
 
 
 def calibrate_lens(
@@ -43,18 +33,9 @@ def calibrate_lens(
 ) -> LensCalibration:
     """Calibrate a lens while the board is held before it here and there, near and tilted.
 
-    Zhang's method (2000, IEEE PAMI 22:1330-1334) by OpenCV, on pictures that differ enough.
-
-    Parameters
-    ----------
-    frames : iterable of RgbdFrame
-        Of one camera that is not rectified yet.
-    board : Board
-        What is held before it.
-    seconds : float
-        At most so long, by the frames' own time.
-    views : int
-        Pictures that are enough.
+    Zhang's method (2000, IEEE PAMI 22:1330-1334) by OpenCV, on pictures that differ enough, of one
+    camera that is not rectified yet. It ends after ``seconds`` of the frames' own time, or once it
+    has so many views.
 
     Raises
     ------

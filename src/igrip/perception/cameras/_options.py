@@ -10,22 +10,15 @@ from igrip.errors import CameraError
 
 
 def split_options(rest: str, defaults: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
-    """Split what follows a camera's scheme into the device and its options.
+    """Split what follows a camera's scheme, such as ``FILE?speed=0``, into device and options.
 
     Parameters
     ----------
     rest : str
-        Such as ``FILE?speed=0&loop=1``.
+        What follows.
     defaults : mapping
         Every option there is; each value is read as the type of its default: str, float, bool or a
         size, such as ``1280x720``.
-
-    Returns
-    -------
-    str
-        What stands before the question mark.
-    dict
-        All options.
 
     Raises
     ------

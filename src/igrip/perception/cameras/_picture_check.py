@@ -1,4 +1,4 @@
-"""What can be told of a camera from its pictures: black, without depth, or always the same."""
+"""What a camera's pictures tell of it: black, without depth, or always the same."""
 
 from __future__ import annotations
 
@@ -9,9 +9,14 @@ from igrip.rgbd import RgbdFrame
 
 STRIDE = 8  # pixels between those that are looked at
 BLACK = 20  # of 255; 16 is black in video levels, and a covered sensor has a little noise; guess
-LIT_SHARE = 0.002  # with a lesser share of pixels over BLACK a picture is black; guess
-DEPTH_SHARE = 0.005  # with a lesser share of pixels with depth there is none; guess
-DELAY = 1.5  # s for which pictures must be so before it is mentioned: exposures settle; guess
+MIN_LIT = 0.002  # share of pixels over BLACK; with less a picture is black; guess
+MIN_DEPTH = 0.005  # share of pixels with depth; with less there is none; guess
+DELAY = 1.5  # s until it is mentioned: exposures settle; guess
+OPEN_SHUTTER = "open its shutter, uncover the lens, and light the scene"
+NO_DEPTH = (
+    "it measures no depth at all; uncover both of its depth sensors, and leave the least distance "
+    "of its data sheet before it"
+)
 
 
 class PictureCheck:
@@ -26,8 +31,7 @@ class PictureCheck:
     def __init__(self) -> None:
         self.note: str | None = None
         self._last: tuple[bytes, bytes] | None = None
-        self._black_since: float | None = None
-        self._no_depth_since: float | None = None
+        self._since: dict[str, float] = {}  # by what is wrong [s]
 
     def is_new(self, frame: RgbdFrame) -> bool:
         """Whether a picture differs from the last: noise alone makes any two differ."""
@@ -38,38 +42,15 @@ class PictureCheck:
 
     def update(self, frame: RgbdFrame) -> None:
         """Add a picture, and renew the note."""
-        black = is_black(frame.colour)
-        no_depth = frame.depth is not None and not has_depth(frame.depth)
-        self._black_since = _since(self._black_since, black, frame.t)
-        self._no_depth_since = _since(self._no_depth_since, no_depth, frame.t)
-        self.note = None
-        if _lasts(self._black_since, frame.t):
-            self.note = f"its pictures are black; {OPEN_SHUTTER}"
-        elif _lasts(self._no_depth_since, frame.t):
-            self.note = (
-                "it measures no depth at all; uncover both of its depth sensors, and leave the "
-                "least distance of its data sheet before it"
-            )
-
-
-OPEN_SHUTTER = "open its shutter, uncover the lens, and light the scene"
+        wrong = []
+        if is_black(frame.colour):
+            wrong.append(f"its pictures are black; {OPEN_SHUTTER}")
+        elif frame.depth is not None and (frame.depth[::STRIDE, ::STRIDE] > 0).mean() < MIN_DEPTH:
+            wrong.append(NO_DEPTH)
+        self._since = {what: self._since.get(what, frame.t) for what in wrong}
+        self.note = next((w for w, t in self._since.items() if frame.t - t >= DELAY), None)
 
 
 def is_black(colour: NDArray[np.uint8]) -> bool:
     """Whether a picture, (h, w, 3), shows nothing."""
-    return bool((colour[::STRIDE, ::STRIDE].max(axis=2) > BLACK).mean() < LIT_SHARE)
-
-
-def has_depth(depth: NDArray[np.float32]) -> bool:
-    """Whether a depth picture, (h, w) [m], has any measurements to speak of."""
-    return bool((depth[::STRIDE, ::STRIDE] > 0.0).mean() >= DEPTH_SHARE)
-
-
-def _since(since: float | None, now_so: bool, t: float) -> float | None:
-    if not now_so:
-        return None
-    return t if since is None else since
-
-
-def _lasts(since: float | None, t: float) -> bool:
-    return since is not None and t - since >= DELAY
+    return bool((colour[::STRIDE, ::STRIDE].max(axis=2) > BLACK).mean() < MIN_LIT)

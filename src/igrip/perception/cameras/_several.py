@@ -16,12 +16,8 @@ class SeveralCameras:
     """Yields the frames of some cameras as they come, those of each in order of time.
 
     Nothing queues up: while the reader is busy, a newer frame of a camera replaces the one that
-    waits. If one camera fails, iterating raises its error.
-
-    Parameters
-    ----------
-    cameras : sequence of Camera
-        Open, and closed by :meth:`close`.
+    waits. If one camera fails, iterating raises its error. The cameras are open, and closed by
+    :meth:`close`.
     """
 
     def __init__(self, cameras: Sequence[Camera]) -> None:
@@ -92,14 +88,9 @@ class SeveralCameras:
 
 
 class PlacedCamera:
-    """A camera, or several, whose frames say where they were taken from.
+    """An open camera, or several, whose frames say where they were taken from.
 
-    Parameters
-    ----------
-    camera : Camera
-        Open.
-    poses : mapping of str to (4, 4)
-        ``world_from_camera`` by the name of the camera.
+    ``poses`` are ``world_from_camera``, (4, 4), by the name of the camera.
     """
 
     def __init__(self, camera: Camera, poses: Mapping[str, Array]) -> None:

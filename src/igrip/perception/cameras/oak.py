@@ -55,18 +55,9 @@ class OakCamera(PolledCamera):
         Width and height [pixels]; the width a multiple of 16, as the device asks.
     fps : float
         Frames a second.
-
-    Raises
-    ------
-    CameraError
-        If the device is missing, or it has no stereo pair.
-    MissingExtraError
-        If depthai is not installed.
     """
 
-    def __init__(
-        self, device: str = "", size: tuple[int, int] = (1280, 720), fps: float = 30.0
-    ) -> None:
+    def __init__(self, device: str, size: tuple[int, int], fps: float) -> None:
         super().__init__()
         if size[0] % 16:
             raise CameraError(f"size: an OAK needs a width that is a multiple of 16, not {size[0]}")
@@ -159,20 +150,10 @@ def clock_offset(dai: Any) -> float:
 
 
 def frame_of(dai: Any, group: Any, name: str, offset: float, fallback: Any) -> RgbdFrame:
-    """Return the frame of a pair of pictures.
+    """Return the frame of a pair of pictures, a ``depthai.MessageGroup``.
 
-    Parameters
-    ----------
-    dai : module
-        depthai.
-    group : depthai.MessageGroup
-        The pair.
-    name : str
-        Of the camera.
-    offset : float
-        Of its times from the monotonic clock [s].
-    fallback : function
-        Gives the camera matrix of a width and height, where the picture has none of its own.
+    ``offset`` is that of its times from the monotonic clock [s]; ``fallback`` gives the camera
+    matrix of a width and height, where the picture has none of its own.
     """
     picture, far = group[COLOUR], group[DEPTH]
     colour = np.array(picture.getFrame(), np.uint8)

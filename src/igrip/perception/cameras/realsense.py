@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 
 from igrip.errors import CameraError, requires_extra
 from igrip.perception.cameras import CAMERAS
@@ -44,21 +45,10 @@ class RealSenseCamera(PolledCamera):
         Width and height of the colour picture, and of depth before it is aligned [pixels].
     fps : float
         Frames a second.
-
-    Raises
-    ------
-    CameraError
-        If the device is missing, or it has no such sizes.
-    MissingExtraError
-        If pyrealsense2 is not installed.
     """
 
     def __init__(
-        self,
-        serial: str = "",
-        size: tuple[int, int] = (1280, 720),
-        depth: tuple[int, int] = (848, 480),
-        fps: float = 30.0,
+        self, serial: str, size: tuple[int, int], depth: tuple[int, int], fps: float
     ) -> None:
         super().__init__()
         rs = load_realsense()
@@ -100,14 +90,7 @@ class RealSenseCamera(PolledCamera):
 class Converter:
     """Aligns, rectifies and time-stamps what a RealSense sends.
 
-    Parameters
-    ----------
-    rs : module
-        pyrealsense2.
-    name : str
-        Of the camera.
-    scale : float
-        What one count of depth means [m].
+    ``rs`` is the module, ``name`` that of the camera, and ``scale`` one count of depth [m].
     """
 
     def __init__(self, rs: Any, name: str, scale: float) -> None:
@@ -164,33 +147,14 @@ class Converter:
 
 
 def lens_map(rs: Any, lens: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return where each pixel of a rectified picture lies in a distorted one.
+    """Return in which column and row of a distorted picture each pixel of a rectified one lies.
 
-    Computed by the vendor's own function at every eighth pixel, and linear in between.
-
-    Returns
-    -------
-    (h, w) float32, twice
-        Columns and rows [pixels].
+    Computed by the vendor's own function at every eighth pixel, and linear in between; each (h, w).
     """
     us = np.arange(0, lens.width + STEP, STEP)
     vs = np.arange(0, lens.height + STEP, STEP)
-    coarse = np.array(
-        [
-            [
-                rs.rs2_project_point_to_pixel(
-                    lens, [(u - lens.ppx) / lens.fx, (v - lens.ppy) / lens.fy, 1.0]
-                )
-                for u in us
-            ]
-            for v in vs
-        ]
-    )  # (rows, columns, 2)
-    across = np.arange(lens.width) / STEP
-    down = np.arange(lens.height) / STEP
-    i, j = across.astype(int), down.astype(int)
-    a, b = (across - i)[None, :, None], (down - j)[:, None, None]
-    top = coarse[j][:, i] * (1 - a) + coarse[j][:, i + 1] * a
-    bottom = coarse[j + 1][:, i] * (1 - a) + coarse[j + 1][:, i + 1] * a
-    fine = (top * (1 - b) + bottom * b).astype(np.float32)
-    return np.ascontiguousarray(fine[..., 0]), np.ascontiguousarray(fine[..., 1])
+    rays = [[[(u - lens.ppx) / lens.fx, (v - lens.ppy) / lens.fy, 1.0] for u in us] for v in vs]
+    coarse = np.array([[rs.rs2_project_point_to_pixel(lens, ray) for ray in row] for row in rays])
+    places = np.mgrid[: lens.height, : lens.width] / STEP
+    u, v = (map_coordinates(coarse[..., k], places, order=1) for k in range(2))
+    return u.astype(np.float32), v.astype(np.float32)

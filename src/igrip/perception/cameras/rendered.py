@@ -37,15 +37,7 @@ def open_rendered(rest: str) -> Camera:
 class RenderedCamera:
     """The paper's four objects on a table; a drawn hand reaches for one, goes back, and again.
 
-    Parameters
-    ----------
-    seed : int
-        Chooses the table, the person and the noise.
-
-    Raises
-    ------
-    MissingExtraError
-        If OpenCV is not installed, which draws the hand.
+    ``seed`` chooses the table, the person and the noise.
     """
 
     def __init__(self, seed: int = 0) -> None:
@@ -73,14 +65,9 @@ class RenderedCamera:
             yield self.frame(now, now - begin)
 
     def frame(self, t: float, elapsed: float | None = None) -> RgbdFrame:
-        """Return the frame of a moment: the reach forth, then the same way back.
+        """Return the frame of time ``t`` [s]: the reach forth, then the same way back.
 
-        Parameters
-        ----------
-        t : float
-            Its time [s].
-        elapsed : float, optional
-            Time since the hand began; by default ``t`` [s].
+        ``elapsed`` is the time since the hand began, by default ``t`` [s].
         """
         last = len(self._palms) - 1
         k = int((t if elapsed is None else elapsed) * RATE + 1e-6) % (2 * last)

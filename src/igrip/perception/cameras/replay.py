@@ -43,20 +43,10 @@ class ReplayCamera:
         Whether to begin again at the end; time goes on.
     fov, intrinsics : float, str
         Of a video; see :class:`igrip.perception.lens.Rectifier`.
-
-    Raises
-    ------
-    CameraError
-        If the file cannot be read.
     """
 
     def __init__(
-        self,
-        path: str | Path,
-        speed: float = 1.0,
-        loop: bool = False,
-        fov: float = 0.0,
-        intrinsics: str = "",
+        self, path: str | Path, speed: float, loop: bool, fov: float, intrinsics: str
     ) -> None:
         self.path = Path(path)
         self._speed, self._loop = speed, loop
@@ -102,11 +92,8 @@ class ReplayCamera:
             passed += last - first + (step or 1 / 30)
 
     def _frames(self) -> Iterator[RgbdFrame]:
-        if self._video:
-            yield from self._pictures()
-            return
         try:
-            yield from self._reader.frames()
+            yield from self._pictures() if self._video else self._reader.frames()
         except RecordingError as error:
             raise CameraError(str(error)) from error
 

@@ -40,22 +40,10 @@ class WebcamCamera(PolledCamera):
         Field of view across [degrees]; 0: not known.
     intrinsics : str
         File of the intrinsics; see :class:`igrip.perception.lens.read_lens`.
-
-    Raises
-    ------
-    CameraError
-        If the camera is missing.
-    MissingExtraError
-        If OpenCV is not installed.
     """
 
     def __init__(
-        self,
-        number: int = 0,
-        size: tuple[int, int] = (1280, 720),
-        fps: float = 30.0,
-        fov: float = 0.0,
-        intrinsics: str = "",
+        self, number: int, size: tuple[int, int], fps: float, fov: float, intrinsics: str
     ) -> None:
         super().__init__()
         self._cv2 = cv2 = load_opencv("a webcam")

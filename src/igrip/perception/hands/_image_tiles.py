@@ -31,22 +31,12 @@ FLESH = 0.15  # reaches so far beyond the landmarks, in lengths of a palm; docs/
 
 
 class Tile(NamedTuple):
-    """A square part of a picture.
+    """A square part of a picture."""
 
-    Attributes
-    ----------
-    x, y : float
-        Its centre [pixels].
-    side : float
-        [pixels of the picture].
-    turn : float
-        By which it is turned [degrees].
-    """
-
-    x: float
+    x: float  # of its centre [pixels]
     y: float
-    side: float
-    turn: float = 0.0
+    side: float  # [pixels of the picture]
+    turn: float = 0.0  # by which it is turned [degrees]
 
     def holds(self, landmarks: Array) -> bool:
         """Whether a hand, (21, 2) landmarks, is well inside."""
@@ -58,12 +48,7 @@ class Tile(NamedTuple):
     ) -> tuple[NDArray[np.uint8], Array]:
         """Return the tile's pixels and the (2, 3) matrix that maps them to the picture's.
 
-        Parameters
-        ----------
-        picture : (h, w, 3) uint8
-            The whole picture.
-        hidden : list of HandDetection
-            Hands of the picture that are painted over in the tile.
+        ``picture`` (h, w, 3) is the whole picture; ``hidden`` are hands that are painted over.
         """
         cv2 = load_opencv("detecting hands")
         size = int(min(self.side, MAX_SIDE))

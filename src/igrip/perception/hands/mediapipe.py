@@ -65,11 +65,6 @@ class _CameraState:
 class MediaPipeHands:
     """MediaPipe's hand landmarks, without any network look-up.
 
-    Parameters
-    ----------
-    config : MediaPipeConfig, optional
-        How many and how surely.
-
     Raises
     ------
     MissingExtraError
@@ -120,18 +115,16 @@ class MediaPipeHands:
                 landmarker.close()
 
     def _search(
-        self,
-        camera: _CameraState,
-        frame: RgbdFrame,
-        picture: NDArray[np.uint8],
+        self, camera: _CameraState, frame: RgbdFrame, picture: NDArray[np.uint8],
         hands: list[HandDetection],
-    ) -> list[HandDetection]:
+    ) -> list[HandDetection]:  # fmt: skip
         """Return the hands and those that were missed, as far as tiles show them."""
         config = self._config
         expected = sum(frame.t - t <= config.memory for t in camera.times)
         tiles = [] if camera.followed is None else [camera.followed]
         camera.incomplete += 1
-        if config.tiles and (len(hands) < expected or camera.incomplete % config.search_every == 0):
+        due = len(hands) < expected or camera.incomplete % config.search_every == 0
+        if config.tiles and due:
             more = search_tiles(frame.intrinsics, hands)
             first = camera.searched * config.tiles
             tiles += [more[(first + k) % len(more)] for k in range(config.tiles)]
@@ -179,8 +172,8 @@ class MediaPipeHands:
         return self._vision.HandLandmarker.create_from_options(options)
 
     def _image(self, picture: NDArray[np.uint8]) -> Any:
-        form = self._mediapipe.ImageFormat.SRGB
-        return self._mediapipe.Image(image_format=form, data=picture)
+        srgb = self._mediapipe.ImageFormat.SRGB
+        return self._mediapipe.Image(image_format=srgb, data=picture)
 
 
 def _detections(
@@ -193,11 +186,7 @@ def _detections(
         # MediaPipe counts from the outer edge of the first pixel; centres are whole here
         pixels = np.array([[point.x, point.y] for point in landmarks]) * size - 0.5
         name = label.category_name.lower()
-        hands.append(
-            HandDetection(
-                pixels @ back[:, :2].T + back[:, 2],
-                float(np.clip(label.score, 0.0, 1.0)),
-                name if name in ("left", "right") else None,
-            )
-        )
+        side = name if name in ("left", "right") else None
+        score = float(np.clip(label.score, 0.0, 1.0))
+        hands.append(HandDetection(pixels @ back[:, :2].T + back[:, 2], score, side))
     return sorted(hands, key=lambda hand: -hand.score)

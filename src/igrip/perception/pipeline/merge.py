@@ -6,12 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from igrip.entities import Hand, ObjectPose
 from igrip.observation import Observation
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 
 
 class DetectedHands(NamedTuple):
@@ -19,8 +17,6 @@ class DetectedHands(NamedTuple):
 
     Attributes
     ----------
-    frame : RgbdFrame
-        The frame.
     hands : mapping of str to Hand or None
         By id; None: looked for, and not measured. World frame; ``t`` on the clock of the frames.
     landmarks : mapping of str to (21, 2)
@@ -31,8 +27,8 @@ class DetectedHands(NamedTuple):
 
     frame: RgbdFrame
     hands: Mapping[str, Hand | None]
-    landmarks: Mapping[str, NDArray[np.float64]]
-    all_landmarks: Sequence[NDArray[np.float64]] = ()
+    landmarks: Mapping[str, Array]
+    all_landmarks: Sequence[Array] = ()
 
 
 class DetectedObjects(NamedTuple):
@@ -46,12 +42,9 @@ Result = DetectedHands | DetectedObjects
 
 
 class Merger:
-    """Puts results on one clock that begins with the stream. Reads no clock itself.
+    """Puts results on a clock that begins with the stream, at ``begin`` of that of the frames [s].
 
-    Parameters
-    ----------
-    begin : float
-        When the stream begins, on the clock of the frames [s].
+    It reads no clock itself.
     """
 
     def __init__(self, begin: float) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from types import TracebackType
 from typing import Any
 
 from igrip.errors import IgripError
@@ -49,10 +48,8 @@ class Pipeline:
 
     Raises
     ------
-    CameraError
-        While iterating, if the camera fails.
     IgripError
-        While iterating, if a stage fails for a second of frames in a row.
+        While iterating, if the camera fails, or a stage for a second of frames in a row.
     """
 
     def __init__(
@@ -76,12 +73,7 @@ class Pipeline:
     def __enter__(self) -> Pipeline:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
         self.join()
 

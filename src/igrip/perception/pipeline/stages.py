@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from igrip.entities import ObjectPose
-from igrip.lab.rendering.scene import strewn_scene
+from igrip.lab.rendering.scene import random_scene
 from igrip.objects.catalog import Catalog
 from igrip.perception.hand_ids import HandIdConfig, HandIdTracker, PalmMeasurement
 from igrip.perception.hands import HANDS, HandDetector
@@ -27,12 +27,7 @@ NEW_RUN = 0.5  # s by which time goes back where a recording begins anew
 class HandIds:
     """Ids of hands, shared by the cameras that look at the same people; safe between threads.
 
-    Parameters
-    ----------
-    config : HandIdConfig
-        How many hands there are, and how they move.
-    shared : bool
-        Whether several cameras look at the same hands: that one of them misses a hand says little.
+    ``shared``: several cameras look at the same hands, so that a miss of one says little.
     """
 
     def __init__(self, config: HandIdConfig, shared: bool) -> None:
@@ -53,14 +48,7 @@ class HandIds:
 class HandStage:
     """Detects hands, measures their palms, and gives them ids.
 
-    Parameters
-    ----------
-    detector : HandDetector
-        New, for one camera.
-    ids : HandIds
-        Of the hands.
-    apart : bool
-        Whether ids carry the camera's name, as ``CAMERA/right``.
+    ``detector`` is that of one camera; ``apart``: ids carry the camera's name (``CAMERA/right``).
     """
 
     def __init__(self, detector: HandDetector, ids: HandIds, apart: bool = False) -> None:
@@ -115,19 +103,12 @@ class CrossCameraVisibility:
 class ObjectStage:
     """Estimates poses of objects, hands being where they are.
 
-    Parameters
-    ----------
-    pose_estimator : PoseEstimator
-        New, for one camera.
-    visibility : CrossCameraVisibility, optional
-        Shared by the cameras that look at the same objects.
+    ``pose_estimator`` is that of one camera; ``visibility`` is shared by the cameras that look at
+    the same objects.
     """
 
-    def __init__(
-        self, pose_estimator: PoseEstimator, visibility: CrossCameraVisibility | None = None
-    ) -> None:
-        self._estimator = pose_estimator
-        self._visibility = visibility or CrossCameraVisibility()
+    def __init__(self, pose_estimator: PoseEstimator, visibility: CrossCameraVisibility) -> None:
+        self._estimator, self._visibility = pose_estimator, visibility
 
     def __call__(self, frame: RgbdFrame, hands: DetectedHands | None) -> DetectedObjects:
         """Return the objects of a frame; hands of long ago cover nothing."""
@@ -155,18 +136,13 @@ def hand_stages(
     Parameters
     ----------
     name : str
-        Of a hand detector.
+        Of a hand detector; an unknown one raises UnknownNameError.
     max_hands : int
         Hands that are followed.
     apart : bool
         Whether each camera names its own hands; else they are fused: one id in all cameras.
     cameras : int
         How many there are.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such detector.
     """
     new_detector = HANDS.get(name)
     config = HandIdConfig(max_hands=max_hands)
@@ -183,12 +159,7 @@ def object_stages(
 ) -> Callable[[], ObjectStage]:
     """Return a function that makes an :class:`ObjectStage` for each camera.
 
-    Raises
-    ------
-    UnknownNameError
-        If there is no such pose estimator.
-    IgripError
-        If its options are wrong.
+    An unknown pose estimator or wrong options raise an IgripError at once.
     """
     new_estimator = POSES.get(name)
     visibility = CrossCameraVisibility()
@@ -206,7 +177,7 @@ def warm_up_stages(
 ) -> None:  # fmt: skip
     """Compile, and fetch what is missing, on a rendered table before a camera runs."""
     random = np.random.default_rng(0)
-    scene = strewn_scene(catalog, list(models)[:1], random)  # one object always finds a place
+    scene = random_scene(catalog, list(models)[:1], random)  # one object always finds a place
     frame = replace(scene.frame(0.0, random), camera="warm-up")
     detected = None
     if new_hands is not None:

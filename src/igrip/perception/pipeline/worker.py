@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import threading
-import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
@@ -47,8 +46,8 @@ class Worker(Generic[T]):
 
     def __init__(
         self, name: str, work: Callable[[RgbdFrame], T], on_result: Callable[[T], None],
-        on_failure: Callable[[Exception], None], on_end: Callable[[], None] = lambda: None,
-        clock: Callable[[], float] = time.monotonic,
+        on_failure: Callable[[Exception], None], on_end: Callable[[], None],
+        clock: Callable[[], float],
     ) -> None:  # fmt: skip
         self.name = name
         self.inlet: Mailbox[RgbdFrame] = Mailbox()
@@ -69,11 +68,11 @@ class Worker(Generic[T]):
 
     def _run(self) -> None:
         try:
-            self._work_on()
+            self._work_until_closed()
         finally:
             self._on_end()
 
-    def _work_on(self) -> None:
+    def _work_until_closed(self) -> None:
         in_a_row = 0
         while not self.inlet.finished:
             frame = self.inlet.get()

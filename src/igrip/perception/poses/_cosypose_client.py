@@ -27,18 +27,10 @@ MAX_ANSWERS = 8  # that wait to be read
 
 
 class Answer(NamedTuple):
-    """What the server found in a frame.
-
-    Attributes
-    ----------
-    frame : RgbdFrame
-        The frame.
-    poses : list
-        As they came: not checked.
-    """
+    """What the server found in a frame."""
 
     frame: RgbdFrame
-    poses: list[Any]
+    poses: list[Any]  # as they came: not checked
 
 
 class _Request(NamedTuple):
@@ -50,22 +42,8 @@ class _Request(NamedTuple):
 class PoseServerClient:
     """A connection to a pose server, in a thread of its own; reconnects when it breaks.
 
-    Parameters
-    ----------
-    host, port
-        Of the server.
-    timeout : float
-        For an answer [s].
-
-    Attributes
-    ----------
-    problem : str or None
-        What is wrong with the server just now.
-
-    Raises
-    ------
-    IgripError
-        If nothing listens there.
+    An answer may take ``timeout`` [s]. Where nothing listens at first, an IgripError is raised;
+    what is wrong later is in ``problem``.
     """
 
     def __init__(self, host: str, port: int, timeout: float) -> None:
@@ -93,10 +71,7 @@ class PoseServerClient:
     def answers(self, wait: float = 0.0) -> list[Answer]:
         """Return what came since the last call, oldest first.
 
-        Parameters
-        ----------
-        wait : float
-            For the frame that was offered last to be answered, at most [s].
+        It waits so long [s], at most, for the frame that was offered last to be answered.
         """
         with self._changed:
             if wait > 0.0:

@@ -15,13 +15,7 @@ S = TypeVar("S", bound=Settings)
 
 
 def parse_options(texts: Sequence[str]) -> dict[str, Any]:
-    """Return the options in texts ``NAME=VALUE``; a value may be JSON.
-
-    Raises
-    ------
-    IgripError
-        If a text is not of that form.
-    """
+    """Return the options in texts ``NAME=VALUE``; a value may be JSON. Others raise IgripError."""
     options: dict[str, Any] = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -34,32 +28,11 @@ def parse_options(texts: Sequence[str]) -> dict[str, Any]:
     return options
 
 
-def validated(
-    kind: type[S], estimator: str, options: Mapping[str, Any], renamed: Mapping[str, str]
-) -> S:
-    """Return an estimator's options as its settings.
-
-    Parameters
-    ----------
-    kind : type of Settings
-        The estimator's own.
-    estimator : str
-        Its name, for messages.
-    options : mapping
-        As they were given.
-    renamed : mapping of str to str
-        What options are called now, by their names in version 0.1.
-
-    Raises
-    ------
-    IgripError
-        If an option is unknown or wrong; the message names it.
-    """
-    for old in options.keys() & renamed.keys():
-        raise IgripError(f"{estimator}: option {old} is now called {renamed[old]}")
+def validated(kind: type[S], estimator: str, options: Mapping[str, Any]) -> S:
+    """Return an estimator's options as its settings, or raise an IgripError that names it."""
     try:
         return kind(**options)
     except ValidationError as error:
         first = error.errors()[0]
         name = ".".join(map(str, first["loc"]))
-        raise IgripError(f"{estimator}: option {name}: {first['msg']}") from error
+        raise IgripError(": ".join(filter(None, (estimator, name, first["msg"])))) from error

@@ -14,6 +14,7 @@ import numpy as np
 
 from igrip.perception.opencv import load_opencv
 from igrip.perception.tag_detector import TagDetection
+from igrip.perception.transforms import rigid
 from igrip.rgbd import Array, Intrinsics
 
 MIN_CORNER_NOISE = 0.2  # pixels; docs/tags.md
@@ -27,18 +28,10 @@ _IPPE_ORDER = [3, 2, 1, 0]  # from the upper left, clockwise
 
 
 class TagPlacement(NamedTuple):
-    """Where a tag is stuck.
+    """Where a tag is stuck."""
 
-    Attributes
-    ----------
-    size : float
-        Edge of its black square [m].
-    object_from_tag : (4, 4)
-        Pose of the tag in the frame of the object.
-    """
-
-    size: float
-    object_from_tag: Array
+    size: float  # edge of its black square [m]
+    object_from_tag: Array  # (4, 4)
 
     @property
     def corners(self) -> Array:
@@ -48,24 +41,12 @@ class TagPlacement(NamedTuple):
 
 
 class TagPose(NamedTuple):
-    """A pose, and how well the tags agree with it.
+    """A pose, and how well the tags agree with it."""
 
-    Attributes
-    ----------
-    camera_from_object : (4, 4)
-        The pose.
-    misfit : float
-        Sum of squares of what the corners are off [pixels²].
-    noise : float
-        Standard deviation of a corner, estimated from the fit [pixels].
-    covariance : (3, 3)
-        Of the object's origin, in the camera's frame [m²].
-    """
-
-    camera_from_object: Array
-    misfit: float
-    noise: float
-    covariance: Array
+    camera_from_object: Array  # (4, 4)
+    misfit: float  # sum of squares of what the corners are off [pixels²]
+    noise: float  # standard deviation of a corner, estimated from the fit [pixels]
+    covariance: Array  # (3, 3), of the object's origin, in the camera's frame [m²]
 
     def excess_misfit(self, other: TagPose) -> float:
         """Return by how much it fits worse, in squared deviations: twice the log of the odds."""
@@ -78,21 +59,8 @@ def tag_poses(
     """Return the poses that explain the tags of one object, the best first.
 
     A square seen from afar looks the same tilted to either side: each tag has two poses (Collins &
-    Bartoli 2014, IPPE). Each is refined on the corners of all tags together.
-
-    Parameters
-    ----------
-    tags : sequence of TagDetection
-        Those of the object.
-    placements : mapping of int to TagPlacement
-        Where they are stuck.
-    camera : Intrinsics
-        Of the picture.
-
-    Returns
-    -------
-    list of TagPose
-        That differ by more than 8°, and in which every tag faces the camera. Empty: none fits.
+    Bartoli 2014, IPPE). Each is refined on the corners of all tags together. Poses that are
+    returned differ by more than 8°, and every tag faces the camera.
     """
     if not tags:
         return []
@@ -109,20 +77,17 @@ def tag_poses(
         count, rotations, translations, _ = cv2.solvePnPGeneric(
             square, corners, camera.matrix, None, flags=cv2.SOLVEPNP_IPPE_SQUARE
         )
+        tag_from_object = np.linalg.inv(placement.object_from_tag)
         for k in range(count):
-            start = _matrix(rotations[k], translations[k]) @ np.linalg.inv(
-                placement.object_from_tag
-            )
-            pose = _refine(points, pixels, camera.matrix, start)
+            camera_from_tag = rigid(cv2.Rodrigues(rotations[k])[0], translations[k].ravel())
+            pose = _refine(points, pixels, camera.matrix, camera_from_tag @ tag_from_object)
             if pose is not None and _face_camera(tags, placements, pose.camera_from_object):
                 poses.append(pose)
     poses.sort(key=lambda pose: pose.misfit)
     distinct: list[TagPose] = []
     for pose in poses:
-        if all(
-            angle_between(pose.camera_from_object, other.camera_from_object) > SAME_POSE
-            for other in distinct
-        ):
+        matrix, others = pose.camera_from_object, [other.camera_from_object for other in distinct]
+        if all(angle_between(matrix, other) > SAME_POSE for other in others):
             distinct.append(pose)
     return [pose for pose in distinct if pose.misfit <= MAX_RMS**2 * len(pixels)]
 
@@ -136,21 +101,18 @@ def angle_between(one: Array, other: Array) -> float:
 def choose_pose(
     poses: Sequence[TagPose], before: Array | None = None, up: tuple[Array, Array] | None = None
 ) -> tuple[TagPose, float] | None:
-    """Choose among the poses that explain the same tags, or refuse to.
+    """Choose among the poses of :func:`tag_poses`; return one and its probability.
+
+    None: two poses fit alike, and nothing decides between them.
 
     Parameters
     ----------
     poses : sequence of TagPose
-        From :func:`tag_poses`.
+        Of the same tags.
     before : (4, 4), optional
         Camera from object a moment ago.
     up : pair of (3,), optional
         A direction in the object's frame, and the same in the camera's: the object stands upright.
-
-    Returns
-    -------
-    TagPose and its probability, or None
-        None: two poses fit alike, and nothing decides between them.
     """
     if not poses:
         return None
@@ -178,7 +140,7 @@ def _refine(points: Array, pixels: Array, matrix: Array, start: Array) -> TagPos
     turn, move = cv2.Rodrigues(start[:3, :3])[0], start[:3, 3:].copy()
     turn, move = cv2.solvePnPRefineLM(points, pixels, matrix, None, turn, move)
     projected, slopes = cv2.projectPoints(points, turn, move, matrix, None)
-    pose = _matrix(turn, move)
+    pose = rigid(cv2.Rodrigues(turn)[0], move.ravel())
     depths = points @ pose[2, :3] + pose[2, 3]
     if not np.isfinite(pose).all() or (depths <= 0.0).any():
         return None
@@ -187,14 +149,6 @@ def _refine(points: Array, pixels: Array, matrix: Array, start: Array) -> TagPos
     slopes = slopes[:, :6]
     covariance = noise**2 * np.linalg.pinv(slopes.T @ slopes)
     return TagPose(pose, misfit, noise, covariance[3:, 3:])
-
-
-def _matrix(turn: Array, move: Array) -> Array:
-    """Return the pose, (4, 4), of a rotation vector and a translation."""
-    pose = np.eye(4)
-    pose[:3, :3] = load_opencv("poses of tags").Rodrigues(turn)[0]
-    pose[:3, 3] = np.asarray(move).ravel()
-    return pose
 
 
 def _face_camera(

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
-from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose
 from igrip.objects.catalog import Catalog
 from igrip.perception.poses import POSES
 from igrip.perception.poses._cosypose_client import Answer, PoseServerClient
 from igrip.perception.poses._options import validated
+from igrip.perception.transforms import is_rigid, object_pose
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
@@ -32,7 +32,6 @@ YCBV = (
 """The objects of YCB-Video in the order of BOP, whose numbers begin at 1 (Hodan et al. 2018)."""
 LABELS = {f"ycbv-obj_{number:06d}": name for number, name in enumerate(YCBV, 1)}
 ROTATION_TOLERANCE = 1e-2  # by which a matrix may fail to be a rotation
-RENAMED = {"least": "min_score", "patience": "timeout", "missing": "missing_after"}
 
 
 class CosyPoseOptions(Settings):
@@ -79,14 +78,7 @@ class _Found(NamedTuple):
 
 @POSES.register("cosypose")
 class CosyPoses:
-    """Poses from a CosyPose server.
-
-    Parameters
-    ----------
-    catalog : Catalog
-        The objects.
-    options : mapping
-        The fields of :class:`CosyPoseOptions`.
+    """Poses from a CosyPose server; ``options`` are the fields of :class:`CosyPoseOptions`.
 
     Raises
     ------
@@ -95,7 +87,7 @@ class CosyPoses:
     """
 
     def __init__(self, catalog: Catalog, options: Mapping[str, Any]) -> None:
-        self._options = validated(CosyPoseOptions, "cosypose", options, RENAMED)
+        self._options = validated(CosyPoseOptions, "cosypose", options)
         wanted = self._options.models
         labels = {**LABELS, **self._options.labels}
         self._models = {
@@ -169,12 +161,7 @@ class CosyPoses:
         box_from_mesh[:3, 3] = -0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
         world_from_box = frame.world_from_camera @ found.camera_from_box
         pose = world_from_box @ box_from_mesh
-        x, y, z = pose[:3, 3].tolist()
-        a, b, c, d = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
-        message = ObjectPose(
-            position=(x, y, z), orientation=(a, b, c, d), model=name, t=frame.t, score=found.score,
-            source="cosypose",
-        )  # fmt: skip
+        message = object_pose(pose, model=name, t=frame.t, score=found.score, source="cosypose")
         return _LastPose(message, frame.t, world_from_box[:3, 3])
 
 
@@ -183,16 +170,8 @@ def _parse(raw: Any) -> _Found | None:
     with contextlib.suppress(TypeError, ValueError, KeyError, OverflowError):
         label, score = str(raw["label"]), float(raw["score"])
         pose = np.array(raw["camera_from_object"], dtype=np.float64)
-        if pose.shape != (4, 4) or not np.isfinite(pose).all() or not 0.0 <= score <= 1.0:
-            return None
-        turn = pose[:3, :3]
-        if np.abs(turn @ turn.T - np.eye(3)).max() > ROTATION_TOLERANCE:
-            return None
-        if np.linalg.det(turn) < 0.0:
-            return None
-        if not (pose[3] == [0.0, 0.0, 0.0, 1.0]).all() or pose[2, 3] <= 0.0:
-            return None
-        return _Found(label, score, pose)
+        ahead = pose.shape == (4, 4) and is_rigid(pose, ROTATION_TOLERANCE) and pose[2, 3] > 0.0
+        return _Found(label, score, pose) if ahead and 0.0 <= score <= 1.0 else None
     return None
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from pydantic import Field
-from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose
 from igrip.errors import IgripError
@@ -30,15 +29,12 @@ from igrip.perception.registration.plane import Plane, find_plane
 from igrip.perception.registration.search import find_objects, on_object
 from igrip.perception.registration.shape import Shape, shape_of
 from igrip.perception.registration.track import ObjectTrack
-from igrip.perception.registration.view import DepthView, depth_view, inverse, measured_points
+from igrip.perception.registration.view import DepthView, depth_view, measured_points
+from igrip.perception.transforms import inverse, object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
 POINTS = 3000  # that a new object is fitted to in the end
-RENAMED = {
-    "misfit": "max_misfit", "nearest": "min_depth", "farthest": "max_depth",
-    "every": "search_interval", "base": "tolerance",
-}  # fmt: skip
 
 
 class DepthOptions(Settings):
@@ -92,12 +88,7 @@ class _CameraState:
 class DepthPoses:
     """A :class:`igrip.perception.poses.PoseEstimator` that registers meshes to depth.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        Meshes.
-    options : mapping
-        See :class:`DepthOptions`.
+    ``options`` are the fields of :class:`DepthOptions`.
 
     Raises
     ------
@@ -108,7 +99,7 @@ class DepthPoses:
     """
 
     def __init__(self, catalog: Catalog, options: Mapping[str, Any] | None = None) -> None:
-        self.options = validated(DepthOptions, "depth", options or {}, RENAMED)
+        self.options = validated(DepthOptions, "depth", options or {})
         names = catalog if self.options.models is None else self.options.models
         self._shapes: dict[str, Shape] = {}
         for name in names:
@@ -233,12 +224,9 @@ class DepthPoses:
 def _poses(camera: _CameraState) -> dict[str, ObjectPose | None]:
     poses: dict[str, ObjectPose | None] = dict.fromkeys(camera.gone)
     for id, track in camera.tracks.items():
-        rotation, translation = track.fit.pose.after(camera.world_from_table)
-        x, y, z = translation
-        quaternion = Rotation.from_matrix(rotation).as_quat()
-        poses[id] = ObjectPose(
-            position=(x, y, z), orientation=tuple(quaternion.tolist()),
-            model=track.fit.shape.name, t=track.t, std=track.fit.std,
-            score=min(1.0, track.fit.score), source="depth",
+        fit = track.fit
+        poses[id] = object_pose(
+            rigid(*fit.pose.after(camera.world_from_table)), model=fit.shape.name, t=track.t,
+            std=fit.std, score=min(1.0, fit.score), source="depth",
         )  # fmt: skip
     return poses

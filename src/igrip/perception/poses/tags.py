@@ -22,11 +22,11 @@ from igrip.perception.poses import POSES
 from igrip.perception.poses._options import validated
 from igrip.perception.poses._tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.transforms import object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
 NEARER = 0.03  # m: what is so much nearer than a tag hides it; guess
-RENAMED = {"lasting": "max_pose_age", "missing": "missing_after"}
 
 
 class TagOptions(Settings):
@@ -93,13 +93,8 @@ class _LastPose(NamedTuple):
 class TagPoses:
     """Poses of tagged objects.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        The objects.
-    options : mapping
-        The fields of :class:`TagsOptions`; ``tags`` may be the path of a TOML file, whose other
-        keys are options, too.
+    ``options`` are the fields of :class:`TagsOptions`; ``tags`` may be the path of a TOML file,
+    whose other keys are options, too.
 
     Raises
     ------
@@ -125,7 +120,7 @@ class TagPoses:
             if self._models.setdefault(id, tag.model) != tag.model:
                 raise IgripError(f"tag {number}: {id!r} is of two models")
             self._upright[id] = self._upright.get(id, False) or tag.upright
-            pose = _matrix(tag.position, tag.orientation)
+            pose = rigid(Rotation.from_quat(tag.orientation).as_matrix(), tag.position)
             self._placements[id][number] = TagPlacement(tag.size, pose)
         self._detector = TagDetector(self._options.family, self._options.decimate)
         self._last: dict[tuple[str, str], _LastPose] = {}  # by camera and object
@@ -169,7 +164,7 @@ class TagPoses:
         before = up = None
         if last is not None and frame.t - last.t <= self._options.max_pose_age:
             before = camera_from_world @ last.world_from_object
-        # a camera that was never placed knows no up
+        # without a calibrated pose of the camera, up is unknown
         if self._upright[id] and not np.array_equal(frame.world_from_camera, np.eye(4)):
             up = np.array([0.0, 0.0, 1.0]), camera_from_world[:3, :3] @ self._options.up
         return choose_pose(tag_poses(tags, self._placements[id], frame.intrinsics), before, up)
@@ -177,12 +172,10 @@ class TagPoses:
     def _last_pose(self, frame: RgbdFrame, id: str, pose: TagPose, probability: float) -> _LastPose:
         world_from_object = frame.world_from_camera @ pose.camera_from_object
         rotation = frame.world_from_camera[:3, :3]
-        x, y, z = world_from_object[:3, 3].tolist()
-        a, b, c, d = Rotation.from_matrix(world_from_object[:3, :3]).as_quat().tolist()
-        sx, sy, sz = np.sqrt(np.diag(rotation @ pose.covariance @ rotation.T)).tolist()
-        message = ObjectPose(
-            position=(x, y, z), orientation=(a, b, c, d), model=self._models[id], t=frame.t,
-            std=(sx, sy, sz), score=probability, source="tags",
+        std = tuple(np.sqrt(np.diag(rotation @ pose.covariance @ rotation.T)).tolist())
+        message = object_pose(
+            world_from_object, model=self._models[id], t=frame.t, std=std, score=probability,
+            source="tags",
         )  # fmt: skip
         return _LastPose(world_from_object, frame.t, message)
 
@@ -219,13 +212,6 @@ def _beside(pixels: Array, hand: Array, margin: float) -> bool:
     return bool((pixels.max(axis=0) >= low).all() and (pixels.min(axis=0) <= high).all())
 
 
-def _matrix(position: Vector, orientation: Quaternion) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(orientation).as_matrix()
-    pose[:3, 3] = position
-    return pose
-
-
 def read_options(options: Mapping[str, Any]) -> TagsOptions:
     """Read the options, and the file that ``tags`` may name."""
     given = dict(options)
@@ -241,7 +227,7 @@ def read_options(options: Mapping[str, Any]) -> TagsOptions:
             '{7: {"model": "006_mustard_bottle", "size": 0.03, "position": …, "orientation": …}}'
             ", or the path of a TOML file with tables [tags.7]"
         )
-    read = validated(TagsOptions, "tags", given, RENAMED)
+    read = validated(TagsOptions, "tags", given)
     for number, tag in read.tags.items():
         if not 0.99 < float(np.linalg.norm(tag.orientation)) < 1.01:
             raise IgripError(f"tags: tags.{number}.orientation: is not a rotation")

@@ -7,41 +7,24 @@ from typing import NamedTuple
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.perception.registration.rigid_pose import into_mesh, rotate, turn_about
+from igrip.perception.registration.rigid_pose import rotate, rotate_back, turn_about
 from igrip.perception.registration.signed_distance import look_up
 from igrip.rgbd import Array
 
 
 class Resting(NamedTuple):
-    """How a mesh rests on the table, as a weak prior of its pose.
+    """How a mesh rests on the table, as a weak prior of its pose."""
 
-    Attributes
-    ----------
-    up : (3,)
-        Direction of the mesh that points up.
-    height : float
-        Of the centre of the mesh over the table [m].
-    weight : float
-        Of this, in shares of the points; 0: it may be anywhere.
-    """
-
-    up: Array
-    height: float
-    weight: float
+    up: Array  # (3,), direction of the mesh that points up
+    height: float  # of the centre of the mesh over the table [m]
+    weight: float  # of this prior, in shares of the points; 0: it may be anywhere
 
 
 class Annealing(NamedTuple):
-    """The steps of a fit; points farther off than the gate do not count (Tukey's biweight).
+    """The steps of a fit; points farther off than the gate do not count (Tukey's biweight)."""
 
-    Attributes
-    ----------
-    first_gate, last_gate : float
-        At the first and at the last step [m].
-    steps : int
-    """
-
-    first_gate: float
-    last_gate: float
+    first_gate: float  # at the first step [m]
+    last_gate: float  # at the last step [m]
     steps: int
 
 
@@ -67,6 +50,7 @@ def align(points, surface, pose, resting, planar, annealing, information):
         Weighted root mean square of the distances [m] and the sum of the weights at the last step.
     """
     rotation, translation = pose
+    values, origin, cell = surface.field
     radius, middle = surface.radius, surface.centre
     up, height, hold = resting
     widest, narrowest, steps = annealing
@@ -90,7 +74,10 @@ def align(points, surface, pose, resting, planar, annealing, information):
         total, squares = 0.0, 0.0
         for n in range(points.shape[0]):
             x, y, z = points[n, 0], points[n, 1], points[n, 2]
-            r = look_up(surface.field, *into_mesh(pose, x, y, z), g)
+            mx, my, mz = rotate_back(
+                rotation, x - translation[0], y - translation[1], z - translation[2]
+            )
+            r = look_up(values, origin, cell, mx, my, mz, g)
             if abs(r) >= limit:
                 continue
             weight = (1.0 - (r / limit) ** 2) ** 2

@@ -21,21 +21,11 @@ EDGE = 0.02  # what stands so far beyond the table's edge still stands on it [m]
 
 
 class Cluster(NamedTuple):
-    """Points that belong together.
+    """Points that belong together."""
 
-    Attributes
-    ----------
-    points : (n, 3)
-        In the frame of the table [m].
-    depths : (n,)
-        Along the optical axis [m].
-    top : float
-        Height of all but the highest points [m].
-    """
-
-    points: Array
-    depths: Array
-    top: float
+    points: Array  # (n, 3), in the frame of the table [m]
+    depths: Array  # (n,), along the optical axis [m]
+    top: float  # height of all but the highest points [m]
 
     def part(self, own: NDArray[np.bool_]) -> Cluster:
         """Return the cluster of some of its points, (n,) true."""
@@ -51,16 +41,8 @@ def clusters_above(points: Array, depths: Array, noise: float) -> list[Cluster]:
     """Cluster what stands on the table, the largest cluster first.
 
     Points are clustered by where they are on the table, seen from above: so an object that stands
-    before another does not cut it in two.
-
-    Parameters
-    ----------
-    points : (n, 3)
-        In the frame of the table, z up [m].
-    depths : (n,)
-        Along the optical axis [m].
-    noise : float
-        See :class:`igrip.perception.registration.plane.Plane`.
+    before another does not cut it in two. For the parameters see :class:`Cluster` and
+    :class:`igrip.perception.registration.plane.Plane`.
     """
     std = noise * depths**2
     table = np.abs(points[:, 2]) < np.maximum(0.006, 2.5 * std)

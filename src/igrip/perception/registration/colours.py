@@ -23,13 +23,7 @@ MIN_PIXELS = 10  # of an object
 
 
 def read_picture(path: str | Path) -> NDArray[np.uint8]:
-    """Read a picture, (h, w, 3) red, green, blue.
-
-    Raises
-    ------
-    IgripError
-        If it cannot be read, or OpenCV is not installed.
-    """
+    """Return a picture, (h, w, 3) red, green, blue, or raise an IgripError."""
     cv2 = load_opencv("reading pictures")
     picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
     if picture is None:

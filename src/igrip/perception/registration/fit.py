@@ -36,29 +36,14 @@ DENSE = Annealing(0.02, 0.0, 12)  # and of one to all points near
 
 @dataclass(frozen=True, eq=False)
 class PoseFit:
-    """A shape in a pose, and how well the picture agrees.
-
-    Attributes
-    ----------
-    shape : Shape
-    pose : RigidPose
-        Table-from-mesh.
-    visibility : Visibility
-        Of the shape in the picture.
-    cover : float
-        Share of the cluster's points that is explained, by how well.
-    resting : Resting
-        How it rests on the table.
-    std : float
-        Standard deviation of its position [m].
-    """
+    """A shape in a pose, and how well the picture agrees."""
 
     shape: Shape
-    pose: RigidPose
-    visibility: Visibility
-    cover: float
-    resting: Resting
-    std: float = 0.0
+    pose: RigidPose  # table-from-mesh
+    visibility: Visibility  # of the shape in the picture
+    cover: float  # share of the cluster's points that is explained, by how well
+    resting: Resting  # how it rests on the table
+    std: float = 0.0  # of its position [m]
 
     @property
     def centre(self) -> Array:
@@ -85,24 +70,12 @@ class PoseFit:
 
 @dataclass(frozen=True)
 class SearchContext:
-    """What a search for objects needs besides points and shapes.
-
-    Attributes
-    ----------
-    view : DepthView
-        The frame.
-    score : function
-        Of a fit, 0 to 1.
-    threshold : float
-        Fits with a lesser score are none.
-    random : numpy.random.Generator
-        Chooses among points.
-    """
+    """What a search for objects needs besides points and shapes."""
 
     view: DepthView
-    score: Callable[[PoseFit], float]
-    threshold: float
-    random: np.random.Generator
+    score: Callable[[PoseFit], float]  # 0 to 1
+    threshold: float  # fits with a lesser score are none
+    random: np.random.Generator  # chooses among points
 
 
 def fit_to_cluster(shape: Shape, cluster: Cluster, context: SearchContext) -> list[PoseFit]:
@@ -159,7 +132,7 @@ def refit(
 def refit_flipped(fit: PoseFit, points: Array, depths: Array, view: DepthView) -> PoseFit:
     """Fit to all points near, as it is and half round about each of its axes; return the best.
 
-    Boxes and bottles look nearly alike then: a few hundred points do not tell.
+    Boxes and bottles look nearly alike then: a few hundred points do not decide.
     """
     fits = [refit(one, points, depths, view, DENSE) for one in (fit, *_flipped(fit))]
     return fits[int(np.argmin([misfit(one, points, view) for one in fits]))]

@@ -32,7 +32,7 @@ class RigidPose(NamedTuple):
 
 
 @kernel
-def rotate(r, x, y, z):
+def rotate(r: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Return a vector, turned by r (3, 3)."""
     return (
         r[0, 0] * x + r[0, 1] * y + r[0, 2] * z,
@@ -42,7 +42,7 @@ def rotate(r, x, y, z):
 
 
 @kernel
-def rotate_back(r, x, y, z):
+def rotate_back(r: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Return a vector, turned by the inverse of r (3, 3)."""
     return (
         r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
@@ -52,14 +52,7 @@ def rotate_back(r, x, y, z):
 
 
 @kernel
-def into_mesh(pose, x, y, z):
-    """Return a point of the other frame in that of the mesh [m]."""
-    t = pose.translation
-    return rotate_back(pose.rotation, x - t[0], y - t[1], z - t[2])
-
-
-@kernel
-def turn_about(pose, centre, w, shift):
+def turn_about(pose: RigidPose, centre: Array, w: Array, shift: Array) -> None:
     """Turn a pose by the rotation vector w (3,) about a point, then shift it; in place."""
     rotation, translation = pose
     angle = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])

@@ -22,7 +22,7 @@ def find_objects(
     points: Array, depths: Array, wanted: Mapping[str, Shape], known: Sequence[PoseFit],
     context: SearchContext,
 ) -> dict[str, PoseFit]:  # fmt: skip
-    """Find objects that rest on the table.
+    """Find objects that rest on the table; return them by id.
 
     Parameters
     ----------
@@ -34,11 +34,6 @@ def find_objects(
         Objects that are tracked already: their points are left out.
     context : SearchContext
         The frame, and what counts as found.
-
-    Returns
-    -------
-    dict of str to PoseFit
-        What was found, by id.
     """
     found: dict[str, PoseFit] = {}
 

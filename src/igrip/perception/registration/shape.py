@@ -28,45 +28,22 @@ class Surface(NamedTuple):
     """A mesh as kernels use it; lengths in metres, in its own frame.
 
     An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
-
-    Attributes
-    ----------
-    field : SignedDistanceField
-        Signed distances.
-    points, normals : (n, 3)
-        Points spread evenly over the surface, and its outward unit normals.
-    centre : (3,)
-        Of its bounding sphere.
-    radius : float
-        Of the sphere.
     """
 
     field: SignedDistanceField
-    points: Array
-    normals: Array
-    centre: Array
-    radius: float
+    points: Array  # (n, 3), spread evenly over the surface
+    normals: Array  # (n, 3), outward unit normals there
+    centre: Array  # (3,), of its bounding sphere
+    radius: float  # of the sphere
 
 
 class Shape(NamedTuple):
-    """A model as registration uses it.
-
-    Attributes
-    ----------
-    name : str
-        Of the model.
-    surface : Surface
-        Where its surface is.
-    stable_poses : StablePoses
-        How it rests on a table.
-    axes : (3, 3)
-        Of the object frame, as columns.
-    """
+    """A model as registration uses it."""
 
     name: str
     surface: Surface
     stable_poses: StablePoses
-    axes: Array
+    axes: Array  # (3, 3), of the object frame, as columns
 
 
 def shape_of(model: ObjectModel) -> Shape:

@@ -28,21 +28,11 @@ RAYS = np.array([
 
 
 class SignedDistanceField(NamedTuple):
-    """Signed distances from a mesh, negative inside, in its frame.
+    """Signed distances from a mesh, negative inside, in its frame."""
 
-    Attributes
-    ----------
-    values : (nx, ny, nz) float32
-        At the corners of the cells [m].
-    origin : (3,)
-        Of the first corner [m].
-    cell : float
-        Edge of a cell [m].
-    """
-
-    values: NDArray[np.float32]
-    origin: Array
-    cell: float
+    values: NDArray[np.float32]  # (nx, ny, nz), at the corners of the cells [m]
+    origin: Array  # (3,), of the first corner [m]
+    cell: float  # edge of a cell [m]
 
     def distances(self, points: Array) -> Array:
         """Return the signed distances of points (n, 3) of the mesh's frame, shape (n,) [m]."""
@@ -52,15 +42,7 @@ class SignedDistanceField(NamedTuple):
 
 
 def signed_distance_field(vertices: Array, bvh: Bvh) -> SignedDistanceField:
-    """Measure the distances round a mesh.
-
-    Parameters
-    ----------
-    vertices : (v, 3)
-        Of the mesh [m].
-    bvh : Bvh
-        Tree of its triangles.
-    """
+    """Return the field of a mesh with vertices (v, 3) [m], from the tree of its triangles."""
     low, high = vertices.min(axis=0) - MARGIN, vertices.max(axis=0) + MARGIN
     cell = max(MIN_CELL, float(np.prod(high - low) / MAX_CELLS) ** (1.0 / 3.0))
     shape = np.ceil((high - low) / cell).astype(int) + 1
@@ -94,9 +76,11 @@ def _fill(boxes, links, leaves, rays, field):
 
 
 @kernel
-def look_up(field, x, y, z, gradient):
-    """Return the signed distance of a point of the mesh's frame [m]; write its gradient (3,)."""
-    values, origin, cell = field
+def look_up(values, origin, cell, x, y, z, gradient):
+    """Return the signed distance of a point of the mesh's frame [m]; write its gradient (3,).
+
+    The field is given in its parts: a tuple of arrays costs time to pass, and loops call this.
+    """
     nx, ny, nz = values.shape
     a, b, c = (x - origin[0]) / cell, (y - origin[1]) / cell, (z - origin[2]) / cell
     a0 = min(max(a, 0.0), nx - 1.000001)
@@ -128,6 +112,7 @@ def look_up(field, x, y, z, gradient):
 
 @kernel
 def _look_up_all(field, points, out):
-    gradient = np.empty(3)
+    values, origin, cell = field
+    g = np.empty(3)
     for n in range(points.shape[0]):
-        out[n] = look_up(field, points[n, 0], points[n, 1], points[n, 2], gradient)
+        out[n] = look_up(values, origin, cell, points[n, 0], points[n, 1], points[n, 2], g)

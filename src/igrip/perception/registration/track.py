@@ -1,7 +1,7 @@
 """Follow one object from frame to frame: visible and fitted, hidden and kept, or gone.
 
-Hidden is what something nearer covers: nothing is known of it, so it stays where it was, with the
-time when it was last visible. Gone is what farther things are measured through.
+An object is hidden where something nearer covers it: it keeps its pose, and the time when it was
+last visible. It is gone where farther surfaces are measured in its place.
 """
 
 from __future__ import annotations
@@ -36,30 +36,14 @@ CLEARLY = 0.02  # of two fits the first is kept unless the agreement of the othe
 
 @dataclass(frozen=True, eq=False)
 class ObjectTrack:
-    """An object that was found.
+    """An object that was found."""
 
-    Attributes
-    ----------
-    fit : PoseFit
-        Where it is, in the frame of the table.
-    t : float
-        When it was last visible [s].
-    hidden : float
-        Share of it that was hidden when it was found: by what stands before it.
-    state : str
-        ``visible``, ``hidden`` or ``gone``, in the newest frame.
-    gone_for : int
-        Frames in a row in which it seemed gone.
-    velocity : (3,)
-        Of its centre, in the frame of the table [m/s].
-    """
-
-    fit: PoseFit
-    t: float
-    hidden: float
-    state: State = "visible"
-    gone_for: int = 0
-    velocity: Array = field(default_factory=lambda: np.zeros(3))
+    fit: PoseFit  # where it is, in the frame of the table
+    t: float  # when it was last visible [s]
+    hidden: float  # share of it that was hidden when it was found: by what stands before it
+    state: State = "visible"  # in the newest frame
+    gone_for: int = 0  # frames in a row in which it seemed gone
+    velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
 
     def update(self, view: DepthView, t: float) -> ObjectTrack:
         """Return the track after a frame of time ``t`` [s]."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from igrip.perception.registration.plane import Plane
 from igrip.perception.registration.visibility import local_depths
+from igrip.perception.transforms import inverse
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 FLESH = 0.035  # a hand reaches so far beyond its landmarks and the bones between them [m]; guess
@@ -20,28 +21,15 @@ class DepthView(NamedTuple):
     """The depth picture of a frame, and its table.
 
     An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
-
-    Attributes
-    ----------
-    depth : (h, w) float32
-        Along the optical axis [m]; 0 where nothing was measured.
-    mask : (h, w) uint8
-        1 where a hand is in front.
-    intrinsics : Intrinsics
-    table_from_camera, camera_from_table : (4, 4)
-    noise : float
-        Of the depth (:class:`igrip.perception.registration.plane.Plane`).
-    tolerance : float
-        Within this distance, and what noise adds, a measurement fits [m].
     """
 
-    depth: NDArray[np.float32]
-    mask: NDArray[np.uint8]
+    depth: NDArray[np.float32]  # (h, w), along the optical axis [m]; 0: not measured
+    mask: NDArray[np.uint8]  # (h, w), 1 where a hand is in front
     intrinsics: Intrinsics
-    table_from_camera: Array
+    table_from_camera: Array  # (4, 4)
     camera_from_table: Array
-    noise: float
-    tolerance: float
+    noise: float  # as of igrip.perception.registration.plane.Plane
+    tolerance: float  # within this distance, and what noise adds, a measurement fits [m]
 
 
 def depth_view(
@@ -102,11 +90,3 @@ def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> 
                 near = (columns - x) ** 2 + (rows - y) ** 2 <= radius**2
                 mask[top:bottom, left:right] |= near.astype(np.uint8)
     return mask
-
-
-def inverse(pose: Array) -> Array:
-    """Return the inverse of a rigid pose, shape (4, 4)."""
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result

@@ -1,21 +1,27 @@
-"""What a movement so far says about each object, in pure numbers: ratios of lengths and of times.
+"""Features of a movement so far towards each object: ratios of lengths and of times.
 
-The start of the movement, the hand, its velocity and acceleration, and an *aim* on each object, the
-point of its axis nearest to where the hand will be in 0.12 s. Nothing hangs on the order of the
-objects, on the frame, or on the unit of length.
+They use the start of the movement, the hand, its velocity and acceleration, and an *aim* on each
+object, the point of its axis nearest to where the hand will be in 0.12 s. They do not depend on the
+order of the objects, on the frame, or on the unit of length.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
-from igrip.geometry import cylinder
-from igrip.motion import noise
-from igrip.motion import reach_detection as reach
+from igrip.geometry.cylinder import Cylinders, axis_of, centre_of, size_of, velocity_of
+from igrip.motion.reach_kernel import (
+    ReachState,
+    extent_of,
+    noise_variance_of,
+    start_of,
+    times_of,
+)
 
 Array = NDArray[np.float64]
 LOCAL = (
@@ -24,22 +30,37 @@ LOCAL = (
     "heading_lately", "miss_lately", "acceleration_towards", "distance_covered", "path_covered",
     "heading_last", "braking", "nearness", "remaining_of_size", "heading_relative",
 )  # fmt: skip
-"""Of each object."""
+"""Names of the features of each object."""
 SHARED = (
     "speed_of_peak", "speed_time_covered", "braking_time", "path_excess", "peak_when",
     "speed_since_quarter", "speed_since_half", "half_of_quarter", "speed_since_three_quarters",
     "bend_since_half", "noise_of_way",
 )  # fmt: skip
-"""Of the movement, whatever the object."""
+"""Names of the features of the movement, the same for every object."""
 AHEAD = 0.12  # s, guess
-AIM = 0.7  # of the half-length: people do not aim at the very ends; guess
-MOST = 8.0  # a bound for ratios whose denominator may vanish
+MAX_AIM = 0.7  # of the half-length: people do not aim at the very ends; guess
+MAX_RATIO = 8.0  # bound of ratios whose denominator may vanish
 SMALL = 1e-12
+
+
+class Features(NamedTuple):
+    """Features of a movement.
+
+    Attributes
+    ----------
+    local : (o, 22)
+        Of each object, in the order of :data:`LOCAL`.
+    shared : (11,)
+        Of the movement, in the order of :data:`SHARED`.
+    """
+
+    local: Array
+    shared: Array
 
 
 @kernel
 def _bounded(value):
-    return min(max(value, -MOST), MOST)
+    return min(max(value, -MAX_RATIO), MAX_RATIO)
 
 
 @kernel
@@ -56,23 +77,16 @@ def _since(points, count, start, covered, part):
 
 
 @kernel
-def describe(state, points, now, cylinders, local, shared):
-    """Write the features of every object.
+def _features_of(state, points, now, cylinders, local, shared):
+    """Write the result of :func:`features_of`, in the order of the names.
 
-    Parameters
-    ----------
-    state, points, now : arrays
-        Of a :class:`igrip.motion.reach_detection.ReachState` of a hand that moves.
-    cylinders : (o, 11)
-        As :mod:`igrip.geometry.cylinder` lays them out.
-    local : (o, 22), shared : (11,), written
-        In the order of :data:`LOCAL` and :data:`SHARED`.
+    ``state``, ``points`` and ``now`` are those of a ReachState, ``cylinders`` the rows.
     """
-    p, v, a = now[:3], now[3:6], now[6:9]
-    start = state[reach.START : reach.START + 3]
-    t, count = state[reach.TIME], int(state[reach.COUNT])
-    elapsed = max(t - state[reach.ONSET], 1e-3)
-    peak = state[reach.PEAK]
+    count, objects = points.shape[0], cylinders.shape[0]
+    p, v, a, start = now[0], now[1], now[2], start_of(state)
+    t, onset, peak_t = times_of(state)
+    peak, path_length = extent_of(state)
+    elapsed = max(t - onset, 1e-3)
     speed2 = pull2 = covered2 = along_way = 0.0
     for axis in range(3):
         speed2 += v[axis] ** 2
@@ -87,36 +101,40 @@ def describe(state, points, now, cylinders, local, shared):
     shared[0] = speed / (peak + SMALL)
     shared[1] = speed * elapsed / covered
     shared[2] = gain * elapsed / (speed + SMALL)
-    shared[3] = state[reach.PATH] / covered
-    shared[4] = (state[reach.PEAK_AT] - state[reach.ONSET]) / elapsed
+    shared[3] = path_length / covered
+    shared[4] = (peak_t - onset) / elapsed
     shared[5] = speed * (t - quarter[0]) / covered
     shared[6] = speed * (t - half[0]) / covered
     shared[7] = (t - half[0]) / (t - quarter[0] + 1e-3)
     shared[8] = speed * (t - last[0]) / covered
     shared[9] = gain * (t - half[0]) ** 2 / covered
-    shared[10] = math.sqrt(state[reach.NOISE + noise.VARIANCE]) / covered
+    shared[10] = math.sqrt(noise_variance_of(state)) / covered
     for k in range(len(shared)):
         shared[k] = _bounded(shared[k])
     ahead, aim = np.empty(3), np.empty(3)
     for axis in range(3):
         ahead[axis] = p[axis] + AHEAD * (v[axis] + 0.5 * AHEAD * a[axis])
     nearest = math.inf
-    for o in range(cylinders.shape[0]):
+    for o in range(objects):
+        centre, direction, velocity = (
+            centre_of(cylinders[o]), axis_of(cylinders[o]), velocity_of(cylinders[o]),
+        )  # fmt: skip
+        half_length, radius = size_of(cylinders[o])
         along = 0.0
         for axis in range(3):
-            along += (ahead[axis] - cylinders[o, axis]) * cylinders[o, cylinder.AXIS + axis]
-        most = AIM * cylinders[o, cylinder.HALF_LENGTH]
-        along = min(max(along, -most), most)
+            along += (ahead[axis] - centre[axis]) * direction[axis]
+        limit = MAX_AIM * half_length
+        along = min(max(along, -limit), limit)
         left2 = way2 = miss2 = moves2 = closing = closing2 = 0.0
         done = towards = pulled = lately = finally_ = lately2 = last2 = 0.0
         for axis in range(3):
-            aim[axis] = cylinders[o, axis] + along * cylinders[o, cylinder.AXIS + axis]
+            aim[axis] = centre[axis] + along * direction[axis]
             left, way = aim[axis] - p[axis], aim[axis] - start[axis]
             left2 += left * left
             way2 += way * way
             miss2 += (aim[axis] - ahead[axis]) ** 2
-            moves2 += cylinders[o, cylinder.VELOCITY + axis] ** 2
-            relative = v[axis] - cylinders[o, cylinder.VELOCITY + axis]
+            moves2 += velocity[axis] ** 2
+            relative = v[axis] - velocity[axis]
             closing += relative * left
             closing2 += relative * relative
             done += (p[axis] - start[axis]) * way
@@ -141,16 +159,16 @@ def describe(state, points, now, cylinders, local, shared):
         row[7] = peak * elapsed / way
         row[8] = math.sqrt(miss2) / way
         row[9] = left * math.sqrt(max(0.0, 1.0 - now_cosine**2)) / way
-        row[10] = max(left - cylinders[o, cylinder.RADIUS], 0.0) / way
+        row[10] = max(left - radius, 0.0) / way
         row[11] = math.sqrt(moves2) / (speed + SMALL)
         row[12] = late_cosine
         row[13] = left * math.sqrt(max(0.0, 1.0 - late_cosine**2)) / way
         row[14] = pulled / (pull * left + SMALL)
         row[15] = covered / way
-        row[16] = state[reach.PATH] / way
+        row[16] = path_length / way
         row[17] = finally_ / (math.sqrt(last2) * left + SMALL)
         row[18] = gain * elapsed**2 / way
-        size = cylinders[o, cylinder.RADIUS] + cylinders[o, cylinder.HALF_LENGTH]
+        size = radius + half_length
         row[20] = math.log((left + 0.2 * size) / size)
         row[21] = closing / (math.sqrt(closing2) * left + SMALL)
         nearest = min(nearest, left)
@@ -158,5 +176,20 @@ def describe(state, points, now, cylinders, local, shared):
         for k in range(len(row)):
             row[k] = _bounded(row[k])
         row[19] = left
-    for o in range(cylinders.shape[0]):
+    for o in range(objects):
         local[o, 19] = math.log((nearest / local[o, 19] + 0.1) / 1.1)
+
+
+def features_of(reach: ReachState, cylinders: Cylinders) -> Features:
+    """Return the features of a movement.
+
+    Parameters
+    ----------
+    reach : ReachState
+        Of a hand that moves or may have begun to.
+    cylinders : Cylinders
+        Of the objects.
+    """
+    local, shared = np.empty((len(cylinders.rows), len(LOCAL))), np.empty(len(SHARED))
+    _features_of(reach.state, reach.points, reach.now, cylinders.rows, local, shared)
+    return Features(local, shared)
