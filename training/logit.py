@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,7 @@ def fit_logit(inputs: Array, moments: Moments, terms: Terms = linear) -> Array:
         return value + 0.5 * RIDGE * float(weights @ weights), gradient
 
     size = terms(inputs[:1]).shape[1]
-    options = {"maxiter": 2000, "maxfun": 4000, "ftol": 1e-12, "gtol": 1e-6}
+    options: Any = {"maxiter": 2000, "maxfun": 4000, "ftol": 1e-12, "gtol": 1e-6}
     fitted = minimize(loss, np.zeros(size), jac=True, method="L-BFGS-B", options=options)
     weights: Array = fitted.x
     return weights

@@ -1,4 +1,4 @@
-"""An intention in words, for people."""
+"""Descriptions of intentions in one sentence, for people."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STATES = {
 
 
 def describe(intention: Intention) -> str:
-    """Say in one sentence what a hand is doing.
+    """Return one sentence about what a hand is doing.
 
     Examples
     --------
