@@ -25,17 +25,8 @@ def frames(
 ) -> list[Observation]:
     """Return messages at 30 Hz in which every hand and object is measured.
 
-    Parameters
-    ----------
-    count : int
-        Number of messages.
-    objects, hands : int
-        Numbers of objects and hands. The table grows with the number of objects, so that they stay
-        as dense as on the table of the paper.
-    models : sequence of str
-        Models of the objects, by turns.
-    seed : int
-        Seed of orientations and noise.
+    The table grows with the number of objects, so that they stay as dense as on the table of the
+    paper; they have these models by turns.
     """
     random = np.random.default_rng(seed)
     # the first four places never move: the hands reach for two of them, whatever stands around
