@@ -1,1 +1,1 @@
-"""Measurements of igrip outside the wheel: ``python -m benchmarks``, ``.startup``, ``.tree``."""
+"""Benchmarks and measurements outside the wheel, each run as ``python -m benchmarks[.NAME]``."""

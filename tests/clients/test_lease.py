@@ -20,7 +20,7 @@ from igrip.runtime.inputs import INPUTS
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import Options
 from igrip.runtime.outputs import OUTPUTS
-from runtime_fakes import Clock, reach
+from runtime_fakes import Clock, Collector, reach
 
 CLIENTS = Path(__file__).parents[2] / "docs" / "clients"
 LEASE = {"target": "cup", "grip": "palmar", "since": 0.0, "valid_until": 1.0}
@@ -59,10 +59,10 @@ def test_python():
     now = [0.0]
     lease = module.Lease(lambda: now[0])
     assert not lease.permits()
-    lease.take({"error": "hand: is not known", "field": "hand", "count": 1})
+    lease.update({"error": "hand: is not known", "field": "hand", "count": 1})
     for t, told, expected in STORY:
         now[0] = t
-        lease.take(told)
+        lease.update(told)
         found = []
         for wait in WAITS:
             now[0] = t + wait
@@ -75,7 +75,7 @@ def test_c(tmp_path):
     if compiler is None:
         pytest.skip("no C compiler (make system)")
     steps = "\n".join(
-        f'lease_take(&l, "{m["session"]}", {m["seq"]}, {m["sent"]}, '
+        f'lease_update(&l, "{m["session"]}", {m["seq"]}, {m["sent"]}, '
         f"{m['valid_for'] or 0.0}, {t});"
         f'printf("%d%d%d\\n", {", ".join(f"lease_permits(&l, {t} + {w})" for w in WAITS)});'
         for t, m, _ in STORY
@@ -106,7 +106,7 @@ def test_javascript():
                 const lease = new Lease(() => now);
                 return story.map(([t, told]) => {{
                     now = t;
-                    lease.take(told);
+                    lease.update(told);
                     return waits.map(wait => {{ now = t + wait; return lease.permits(); }});
                 }});
             }}""",
@@ -141,16 +141,18 @@ def test_a_page_follows_a_real_lease(shapes, own_page):
     """A browser's own WebSocket, the rule, a reach, and silence at its end."""
     config = igrip.Config(targets="paper", commitment={"reliability": 0.0})
     story = [json.loads(message.to_json()) for message in reach(40)]
-    clock, options = Clock(), Options(port=0)
-    loop = Loop(
-        igrip.Estimator(shapes, config), ArrivalClock(clock=clock),
-        {"ws": INPUTS.get("ws")(options)}, {"ws": OUTPUTS.get("ws")(options)},
-    )  # fmt: skip
+    options, output = Options(port=0), Collector()
+    clock = Clock()
 
-    def pass_time(intentions):
+    def pass_time(envelope):
         clock.t += 1.0 / 30.0
 
-    working = threading.Thread(target=loop.run, args=(pass_time,), daemon=True)
+    output.send = pass_time  # before the page gets the intention, and sends its next message
+    loop = Loop(
+        igrip.Estimator(shapes, config), ArrivalClock(clock=clock),
+        {"ws": INPUTS.get("ws")(options)}, {"clock": output, "ws": OUTPUTS.get("ws")(options)},
+    )  # fmt: skip
+    working = threading.Thread(target=loop.run, daemon=True)
     with loop:
         working.start()
         with open_page("about:blank") as page:
@@ -167,7 +169,7 @@ def test_a_page_follows_a_real_lease(shapes, own_page):
                     const out = await open("/intentions"), source = await open("/observations");
                     const answer = () => new Promise(done => {{
                         out.onmessage = event => {{
-                            lease.take(JSON.parse(event.data));
+                            lease.update(JSON.parse(event.data));
                             done(lease.permits());
                         }};
                     }});

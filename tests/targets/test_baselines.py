@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from igrip.targets.learned.reach_library import InReach, Witness, library, log_volume
+from igrip.targets.learned.reach_library import (
+    AccumulatedLikelihood,
+    ReachCoordinates,
+    library,
+    log_volume,
+)
 from reaching import SPREAD, TWO, at, intentions_of, reach_messages
 
 LEARNED = ("gaussians", "mixtures", "templates")
@@ -50,17 +55,17 @@ def test_a_witness_counts_time_and_not_samples():
             self.objects = [type("PlacedObject", (), {"id": id}) for id in ids]
 
     def after(passed, elapsed):
-        return InReach(elapsed, passed, np.empty(0), np.empty(0))
+        return ReachCoordinates(elapsed, passed, np.empty(0), np.empty(0))
 
-    slow, fast = Witness(1 / 30), Witness(1 / 30)
+    slow, fast = AccumulatedLikelihood(1 / 30), AccumulatedLikelihood(1 / 30)
     fit = np.array([0.0, -0.3])
     for k in range(10):
-        a = slow.hear(Seen("ab"), after(1 / 30, k / 30), fit)
+        a = slow.add(Seen("ab"), after(1 / 30, k / 30), fit)
     for k in range(40):
-        b = fast.hear(Seen("ab"), after(1 / 120, k / 120), fit)
+        b = fast.add(Seen("ab"), after(1 / 120, k / 120), fit)
     assert a == pytest.approx(b)
     assert a == pytest.approx(np.exp([0.0, -3.0]) / np.exp([0.0, -3.0]).sum())
-    late = slow.hear(
+    late = slow.add(
         Seen("abc"), after(1 / 30, 10 / 30), np.zeros(3)
     )  # c appears: no likelier than the least
     assert late[2] == pytest.approx(late[1])
@@ -86,7 +91,7 @@ def test_densities_over_a_reach_are_made_densities_in_space():
     off = (place - [0.5, 0.3]) / [0.1, 0.05]
     density = np.exp(-0.5 * (off**2).sum(axis=1)) / (2 * np.pi * 0.1 * 0.05)
     for length in (0.2, 1.0, 3.0):
-        seen = InReach(0.0, 0.0, place, np.full(len(place), length))
+        seen = ReachCoordinates(0.0, 0.0, place, np.full(len(place), length))
         in_space = density / (2 * np.pi * np.exp(log_volume(seen)))
         rings = 2 * np.pi * (place[:, 1] * length) * (step * length) ** 2
         assert (in_space * rings).sum() == pytest.approx(1.0, rel=1e-3)

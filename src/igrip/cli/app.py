@@ -43,15 +43,15 @@ COMMANDS = {
     ),
     "stream": Command(
         "stream:stream",
-        "Take observations from other programs and tell them intentions, until Ctrl-C.",
+        "Receive observations from other programs and send them intentions, until Ctrl-C.",
     ),
     "view": Command(
         "view:view",
-        "Look at a recording in the browser: play, pause, step, and go to any moment.",
+        "Look at a recording in the browser: play, pause, step, and go to any time.",
     ),
     "live": Command(
         "live:live",
-        "Watch a camera and say what each hand is about to grasp, and with which grip.",
+        "Watch a camera and predict what each hand is about to grasp, and with which grip.",
     ),
     "record": Command("record:record", "Record colour, depth and intrinsics of cameras."),
     "calibrate": Command(

@@ -43,9 +43,9 @@ def live(
         typer.Option(help="oak, realsense, webcam:0, replay:FILE.mcap, rendered; several joined by "
                      "+, as in oak:ID1+oak:ID2."),
     ] = "oak",
-    hands: Annotated[str, typer.Option(help="Hand finder; none: no hands.")] = "mediapipe",
+    hands: Annotated[str, typer.Option(help="Hand detector; none: no hands.")] = "mediapipe",
     objects: Annotated[
-        str, typer.Option(help="Pose finder: depth, tags, cosypose; none: no objects.")
+        str, typer.Option(help="Pose estimator: depth, tags, cosypose; none: no objects.")
     ] = "depth",
     model: Annotated[
         list[str] | None,
@@ -57,7 +57,7 @@ def live(
     ] = None,
     option: Annotated[
         list[str] | None,
-        typer.Option(help="NAME=VALUE for the pose finder, such as tags=tags.toml; repeatable."),
+        typer.Option(help="NAME=VALUE for the pose estimator, such as tags=tags.toml; repeatable."),
     ] = None,
     calibration: Annotated[
         Path | None, typer.Option(help="Where the cameras stand: a file of igrip calibrate.")
@@ -174,7 +174,7 @@ def _page(port: int) -> Viewer | None:
     try:
         viewer = Viewer(port=port)
     except MissingExtraError as error:
-        errors.print(f"{error}; going on without the page", style="yellow")
+        errors.print(f"{error}; continuing without the page", style="yellow")
         return None
     errors.print(f"The scene is live at {viewer.url}")
     return viewer

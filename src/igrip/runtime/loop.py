@@ -248,9 +248,11 @@ class Loop:
     def _send(self, intentions: list[Intention], arrived: float) -> None:
         for intention in intentions:
             envelope = self._sequencer.wrap(intention, arrived)
-            for name in self._outputs.keys() - self._broken:
+            for name, output in self._outputs.items():
+                if name in self._broken:
+                    continue
                 try:
-                    self._outputs[name].send(envelope)
+                    output.send(envelope)
                 except BrokenPipeError:  # its receivers have gone; the other outputs stay
                     self._broken.add(name)
 

@@ -10,7 +10,7 @@ import logging
 import math
 import threading
 from collections import Counter
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -42,22 +42,21 @@ log.propagate = False
 class _Client:
     """One connection; all that is known of it ends with it."""
 
-    def __init__(self, connection: ServerConnection, server: WebSocketServer) -> None:
-        self.connection, self._server = connection, server
+    def __init__(self, connection: ServerConnection, sender: Sender) -> None:
+        self.connection, self.sender = connection, sender
         self.waiting: asyncio.Queue[Envelope] = asyncio.Queue(MAX_BEHIND)
-        self.sender = Sender(lambda error: server.call_soon(self.reply, error))
         self._replied, self._unanswered = -math.inf, 0
 
-    def reply(self, error: ObservationError) -> None:
-        """Report what was wrong with a message, but not too often; in the server's thread."""
+    async def reply(self, error: ObservationError) -> None:
+        """Report what was wrong with a message, but not too often."""
         now = asyncio.get_running_loop().time()
         self._unanswered += 1
         if now - self._replied < REPLY_INTERVAL:
             return
         reply = {"error": str(error), "field": error.field, "count": self._unanswered}
         self._replied, self._unanswered = now, 0
-        sending = self.connection.send(json.dumps(reply))
-        self._server.run_in_background(asyncio.wait_for(sending, REPLY_INTERVAL))
+        with contextlib.suppress(ConnectionClosed, TimeoutError):
+            await asyncio.wait_for(self.connection.send(json.dumps(reply)), REPLY_INTERVAL)
 
 
 class WebSocketServer:
@@ -81,9 +80,9 @@ class WebSocketServer:
         self._paths: set[str] = set()
         self._clients: set[_Client] = set()
         self._listeners: set[_Client] = set()  # clients of /intentions
-        self._background: set[asyncio.Future[None]] = set()
         self._counts: Counter[str] = Counter()
         self._events: asyncio.AbstractEventLoop | None = None
+        self._background: set[asyncio.Task[None]] = set()
         self._stop = asyncio.Event()
         self._ready = threading.Event()
         self._error: OSError | None = None
@@ -120,7 +119,7 @@ class WebSocketServer:
 
     def send(self, envelope: Envelope) -> None:
         """Queue an intention for every client; never blocks."""
-        self.call_soon(self._send_to_all, envelope)
+        self._call_soon(self._send_to_all, envelope)
 
     def counts(self) -> dict[str, int]:
         """Return how many messages were sent and lost, and how many clients there are."""
@@ -128,26 +127,15 @@ class WebSocketServer:
 
     def close(self) -> None:
         """Close all connections and end the thread."""
-        self.call_soon(self._stop.set)
+        self._call_soon(self._stop.set)
         if self._thread is not None:
             self._thread.join(timeout=5.0)
 
-    def call_soon(self, function: Any, *arguments: Any) -> None:
+    def _call_soon(self, function: Callable[..., object], *arguments: object) -> None:
         """Call a function in the server's thread; from any thread."""
         if self._events is not None:
-            with contextlib.suppress(RuntimeError):  # the event loop has ended: nobody is connected
+            with contextlib.suppress(RuntimeError):  # the server has ended: nobody is connected
                 self._events.call_soon_threadsafe(function, *arguments)
-
-    def run_in_background(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run work for a client who may be gone by then."""
-
-        async def run() -> None:
-            with contextlib.suppress(ConnectionClosed, TimeoutError):
-                await work
-
-        task = asyncio.ensure_future(run())
-        self._background.add(task)
-        task.add_done_callback(self._background.discard)
 
     def _run(self) -> None:
         try:
@@ -170,18 +158,18 @@ class WebSocketServer:
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """Answer requests that do not become a connection."""
+        path = urlsplit(request.path).path
         refusal = self._access.refusal(request.path, request.headers)
         if refusal is not None:
             return connection.respond(http.HTTPStatus.FORBIDDEN, refusal + "\n")
-        path = urlsplit(request.path).path
         if path == "/status":
             body = json.dumps(self._loop.status()) + "\n"
             response = connection.respond(http.HTTPStatus.OK, body)
             response.headers["Content-Type"] = "application/json"
             return response
         if path not in self._paths:
-            paths = ", ".join(sorted(self._paths))
-            return connection.respond(http.HTTPStatus.NOT_FOUND, f"there are {paths}, /status\n")
+            reason = f"there are {', '.join(sorted(self._paths))} and /status\n"
+            return connection.respond(http.HTTPStatus.NOT_FOUND, reason)
         if len(self._clients) >= MAX_CLIENTS:
             reason = f"there are {MAX_CLIENTS} clients already\n"
             return connection.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, reason)
@@ -190,41 +178,47 @@ class WebSocketServer:
     async def _connected(self, connection: ServerConnection) -> None:
         assert connection.request is not None
         url = urlsplit(connection.request.path)
-        client = _Client(connection, self)
+        sender = Sender(lambda error: self._call_soon(self._reply, client, error))
+        client = _Client(connection, sender)
         self._clients.add(client)
         try:
             if url.path == OBSERVATIONS:
                 await self._receive(client, observations=True)
             else:
-                packed = parse_qs(url.query).get("format") == ["msgpack"]
-                await self._converse(client, packed)
-        except ConnectionClosed:
-            pass
+                await self._converse(client, parse_qs(url.query).get("format") == ["msgpack"])
         finally:
             self._clients.discard(client)
 
+    def _reply(self, client: _Client, error: ObservationError) -> None:
+        self._run_in_background(client.reply(error))
+
+    def _run_in_background(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._background.add(task)
+        task.add_done_callback(self._background.discard)
+
     async def _receive(self, client: _Client, observations: bool) -> None:
-        """Submit what a client sends."""
+        """Submit what a client sends, until it goes."""
         try:
             async for data in client.connection:
-                self._accept(data, client, observations)
+                await self._accept(data, client, observations)
                 await asyncio.sleep(0)  # one that floods must not keep the others from being served
         except ConnectionClosed as closed:
             if closed.sent is not None and closed.sent.code == TOO_LARGE:
                 self._loop.count("too_large")
 
-    def _accept(self, data: bytes | str, client: _Client, observations: bool) -> None:
+    async def _accept(self, data: bytes | str, client: _Client, observations: bool) -> None:
         try:
             message = decode(data)
         except ObservationError as error:
             self._loop.count("malformed")
-            client.reply(error)
+            await client.reply(error)
             return
         if observations or isinstance(message, Command):
             self._loop.submit(message, client.sender)
         else:
             self._loop.count("refused")
-            client.reply(ObservationError("message", "observations are not accepted here"))
+            await client.reply(ObservationError("message", "observations are not accepted here"))
 
     async def _converse(self, client: _Client, packed: bool) -> None:
         """Send intentions to a client and receive its commands, until it goes."""
@@ -233,14 +227,12 @@ class WebSocketServer:
             asyncio.ensure_future(self._send_waiting(client, packed)),
         ]
         self._listeners.add(client)
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            self._listeners.discard(client)
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
-            self._counts["lost"] += client.waiting.qsize()
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        self._listeners.discard(client)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        self._counts["lost"] += client.waiting.qsize()
 
     async def _send_waiting(self, client: _Client, packed: bool) -> None:
         """Send intentions, each as it is at that moment."""
@@ -263,7 +255,7 @@ class WebSocketServer:
                 self._counts["lost"] += 1
                 self._counts["dropped_clients"] += 1
                 self._listeners.discard(client)
-                self.run_in_background(self._drop(client.connection))
+                self._run_in_background(self._drop(client.connection))
 
     async def _drop(self, connection: ServerConnection) -> None:
         """Close a client that is too slow, whether it listens or not."""

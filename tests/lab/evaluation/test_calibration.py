@@ -1,6 +1,7 @@
 """Calibration and intervals against numbers worked out by hand."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -76,6 +77,13 @@ def test_interval_is_over_people_and_not_over_trials():
     assert np.isnan(interval_over_groups(values, np.zeros(2000, dtype=int))).all()
     with_gaps = np.where(np.arange(2000) % 3 == 0, np.nan, values)
     assert np.isfinite(interval_over_groups(with_gaps, np.arange(2000) % 5)).all()
+
+
+def test_flags_of_which_some_are_unknown():
+    flags = pd.Series([True, None, False, True, None, False], dtype=object)
+    people = pd.Series(["a", "a", "a", "b", "b", "c"])
+    known = interval_over_groups([1.0, 0.0, 1.0, 0.0], [0, 0, 1, 2])
+    assert interval_over_groups(flags, people) == known
 
 
 def test_interval_of_a_known_distribution():

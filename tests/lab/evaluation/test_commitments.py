@@ -24,7 +24,8 @@ def message(k, target="cup", hand="right", rejected=(), p=1.0):
     """Return the evidence at 50 Hz of a hand that moves to a target it is sure of, far from it."""
     evidence = Evidence(
         t=k / 50, measured=k / 50, position=(0.0, 0.0, 0.0), trusted=True, moving=True,
-        target=target, grip="palmar", confidence={target: p}, trusted_objects={target}, distances={target: 0.4},
+        target=target, grip="palmar", confidence={target: p},
+        trusted_objects={target}, distances={target: 0.4},
     )  # fmt: skip
     return MessageEvidence({hand: evidence}, frozenset(rejected))
 
@@ -63,6 +64,14 @@ def test_every_hand_has_leases_of_its_own():
     }  # fmt: skip
 
 
+def test_a_hand_without_a_lease_does_not_hide_another():
+    both = [
+        MessageEvidence({**idle(k, "left").hands, **message(k).hands}, frozenset())
+        for k in range(50)
+    ]
+    assert [lease.hand for lease in find_leases(both, CONFIG)] == ["right"]
+
+
 def test_nobody_is_there_to_confirm():
     asks = CONFIG.model_copy(update={"needs_confirmation": True})
     assert len(find_leases([message(k) for k in range(50)], asks)) == 1
@@ -87,10 +96,10 @@ def first(messages, hand="right", target="cup", bounds=BOUNDS, config=CONFIG):
 
 
 def test_the_first_commitment_counts_by_its_part_of_the_movement():
-    row = first([message(k) for k in range(50, 100)])
-    assert row["commit_part"][DEFAULT] == pytest.approx(0.5 + CONFIG.dwell, abs=0.021)
+    row = first([message(k) for k in range(50, 100)], bounds=(0.5, 2.5))
+    assert row["commit_part"][DEFAULT] == pytest.approx(0.25 + CONFIG.dwell / 2, abs=0.011)
     assert row["commit_right"][DEFAULT] is True
-    assert row["commit_part"][0] == pytest.approx(0.5)  # the most reactive does not wait
+    assert row["commit_part"][0] == pytest.approx(0.25)  # the most reactive does not wait
     known = [part for part in row["commit_part"] if part is not None]
     assert known == sorted(known)
     assert known[0] < known[-1]

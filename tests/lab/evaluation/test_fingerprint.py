@@ -53,6 +53,8 @@ def test_configurations_and_sources(small_dataset, package):
         for objects in ((), ("box:0.1x0.1x0.1",), ("box:0.1x0.1x0.2",))
     }  # fmt: skip
     assert len(keys) == 12
+    near = [("box:0.1x0.1x0.1", "box:0.1x0.1x0.2"), ("box:0.1x0.1x0.2", "box:0.1x0.1x0.1")]
+    assert len({fingerprint(small_dataset, CONFIGS, objects) for objects in near}) == 2
 
 
 @pytest.mark.parametrize("name", ["trials.tsv", "dataset.json"])

@@ -38,8 +38,8 @@ def test_a_run_holds_what_each_estimator_answered(small_dataset, catalog):
         assert answers.evidence[k].rejected == estimator.rejected_hands
         for hand, evidence in estimator.evidence.items():
             kept = answers.evidence[k].hands[hand]
-            assert kept._replace(seen=None) == evidence._replace(seen=None)
-            assert kept.seen == {id for id in ("near", "far") if id in evidence.seen}
+            trusted = frozenset(id for id in ("near", "far") if id in evidence.trusted_objects)
+            assert kept == evidence._replace(trusted_objects=trusted)
     assert {i.status for i in answers.intentions} >= {"warming_up", "reaching"}
     assert run.estimators[0].intentions[-1].target == trial.target
 
@@ -51,8 +51,19 @@ def test_evidence_stays_as_it_was(small_dataset, catalog):
     path.write_text(path.read_text() + '{"t": 2.5, "objects": {"near": null}}\n')
     [answers] = run_trial(small_dataset, trial, catalog, CONFIGS[:1]).estimators
     assert answers.evidence[-1].hands == {}
-    assert answers.evidence[-2].hands["right"].seen == {"near", "far"}
-    assert "near" not in answers.estimator._seen
+    assert answers.evidence[-2].hands["right"].trusted_objects == {"near", "far"}
+
+
+def test_a_hand_that_is_lost_has_no_speed(small_dataset, catalog):
+    trial = small_dataset.trials[0]
+    path = small_dataset.recording(trial)
+    path.write_text(path.read_text() + '{"t": 2.5}\n')
+    [answers] = run_trial(small_dataset, trial, catalog, CONFIGS[:1]).estimators
+    assert [i.status for i in answers.intentions[-2:]] != ["lost", "lost"]
+    assert answers.intentions[-1].status == "lost"
+    assert answers.estimator.hands["right"].motion is not None
+    assert np.isfinite(answers.speeds[-2])
+    assert np.isnan(answers.speeds[-1])
 
 
 def test_objects_are_those_at_the_onset(small_dataset, catalog):

@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from igrip import Observation
 from igrip.io.datasets.dataset import Trial
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.lab.evaluation.trial_description import describe_trial, find_problem, find_remarks
-from trial_messages import TRIAL, record
+from trial_messages import POSE, TRIAL, record
 
 BOUNDS = (0.2, 1.0)
 WHOLE = ("xxxxxxxxxxx", "x xx x x x ")
@@ -30,6 +31,20 @@ def test_what_a_trial_was():
         "movement_s": pytest.approx(0.8), "bounds": "table", "valid": True, "invalid_reason": None,
         "both_seen_0.3s_before_end": True, "angular_gap_deg": None, "depth_gap_m": None,
     }  # fmt: skip
+
+
+def test_the_trial_begins_with_its_recording():
+    """Found at 10.3 s: 0.5 s before the end, which is more than half of the 0.8 s."""
+    recorded = RecordedTrial(replace(TRIAL, onset_s=10.2, end_s=10.8))
+    for k in range(9):
+        hands = {"right": {"position": [0, 0, 0]}} if k >= 3 else {}
+        recorded.add(Observation(t=10 + k / 10, hands=hands, objects={"cup": POSE}))
+    row = describe_trial(recorded, (10.2, 10.8), [])
+    assert (row["valid"], row["invalid_reason"]) == (True, None)
+    assert row["seconds"] == pytest.approx(0.8)
+    single = RecordedTrial(TRIAL)
+    single.add(Observation(t=0.0, hands={"right": {"position": [0, 0, 0]}}))
+    assert describe_trial(single, None, [])["observed"] == 1.0
 
 
 def test_without_a_movement_there_is_no_validity():

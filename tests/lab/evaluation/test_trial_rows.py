@@ -45,8 +45,8 @@ def test_a_row_is_put_together_from_description_scores_and_commitments(run):
 
 
 def test_the_end_of_the_recording_counts(run):
-    """It ends at 2.0 s, the movement at 2.05 s or at 2.2 s."""
-    assert score_run(run(end_s=2.05))[0]["right_at_100%"]
+    """It ends at 2.0 s, the movement at 2.08 s or at 2.2 s."""
+    assert score_run(run(end_s=2.08))[0]["right_at_100%"]
     late = score_run(run(end_s=2.2))[0]
     assert not late["right_at_100%"]
     assert not late["success"]

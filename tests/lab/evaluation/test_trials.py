@@ -80,6 +80,10 @@ def test_causal_accuracy_takes_the_newest_answer() -> None:
     assert right.tolist() == [False, True, True, False, True]
 
 
+def test_causal_accuracy_of_a_single_answer() -> None:
+    assert causal_accuracy(np.array([0.5]), flags("x"), 0.0, 1.0, (0.6,)).tolist() == [True]
+
+
 def test_causal_accuracy_before_the_first_answer_is_wrong() -> None:
     assert causal_accuracy(np.array([0.5]), flags("x"), 0.0, 1.0, (0.4,)).tolist() == [False]
 
@@ -113,6 +117,9 @@ def assess(text, begin=0.0, end=None):
         (".......xxx", 0.7, "found too late"),  # 0.2 s of 0.9 s remain
         ("....xxxxxx", 0.4, None),  # 0.5 s is not more than 0.5 s, but more than half of 0.9 s
         (".....xxxxx", 0.5, "found too late"),
+        ("....xxxxx", 0.4, "found too late"),  # half of 0.8 s is not more than half
+        ("." * 15 + "x" * 6, 1.5, "found too late"),  # 0.5 s is not more than 0.5 s
+        ("." * 14 + "x" * 7, 1.4, None),
     ],
 )
 def test_by_hand(text, found, problem):
@@ -124,3 +131,4 @@ def test_by_hand(text, found, problem):
 def test_only_the_trial_counts():
     assert assess("xxxxxx....", end=0.6).problem is None
     assert assess("...xxx....", begin=0.3, end=0.6).found == pytest.approx(0.3)
+    assert assess("xxxxx...xxx", begin=0.6).problem == "found too late"  # 0.2 s of 0.4 s remain

@@ -7,8 +7,8 @@ import threading
 import pytest
 
 from igrip.errors import CameraError, IgripError
-from igrip.perception.pipeline.merge import TICK
 from igrip.perception.pipeline.pipeline import Pipeline
+from igrip.runtime.loop import TICK
 from live_fakes import LIMIT, Clock, FakeCamera, hand_stage, object_stage
 
 

@@ -24,5 +24,5 @@ def test_options_are_words_or_json():
 )
 def test_the_error_for_an_old_name_gives_the_new_one(shapes, name, old, new):
     options = {old: 1.0, "tags": {7: {}}} if name == "tags" else {old: 1.0}
-    with pytest.raises(IgripError, match=f"{name}: option {old} is now called {new}"):
+    with pytest.raises(IgripError, match=f"{name}: .*{old} was renamed to {new}"):
         POSES.get(name)(shapes, options)

@@ -36,9 +36,9 @@ def test_the_gradient_is_that_of_the_distance():
     field = field_of_box()
     gradient, other = np.empty(3), np.empty(3)
     for point in np.random.default_rng(1).uniform(-1, 1, (200, 3)) * (HALF + 0.02):
-        here = look_up(field, *point, gradient)
+        here = look_up(*field, *point, gradient)
         step = 1e-4 * gradient
-        there = look_up(field, *(point + step), other)
+        there = look_up(*field, *(point + step), other)
         if np.allclose(gradient, other, atol=0.05):  # within one cell
             assert abs((there - here) - gradient @ step) < 2e-6
 
@@ -48,5 +48,5 @@ def test_a_mesh_without_a_bottom_has_an_inside(ycb):
     triangles = whole.vertices[whole.faces]
     kept = triangles.mean(axis=1)[:, 2] > whole.vertices[:, 2].min() + 0.003
     field = signed_distance_field(whole.vertices, build_bvh(whole.vertices, whole.faces[kept]))
-    assert look_up(field, *whole.sphere[:3], np.empty(3)) < -0.02
-    assert look_up(field, *(whole.sphere[:3] + [0.06, 0, 0]), np.empty(3)) > 0.01
+    assert look_up(*field, *whole.sphere[:3], np.empty(3)) < -0.02
+    assert look_up(*field, *(whole.sphere[:3] + [0.06, 0, 0]), np.empty(3)) > 0.01

@@ -19,7 +19,7 @@ from igrip.settings import Settings, quantity
 
 
 class CalibrationConfig(Settings):
-    """How much must be seen, and how well it must fit."""
+    """How many tags and pictures are needed, and how well they must fit."""
 
     max_views: int = quantity(30, "1", "pictures of each camera that are used", "guess", ge=1)
     min_tags: int = quantity(4, "1", "tags that must be in the picture", "guess", ge=2)

@@ -11,8 +11,6 @@ from igrip.entities import Hand, ObjectPose
 from igrip.observation import Observation
 from igrip.rgbd import Array, RgbdFrame
 
-TICK = 0.05  # s of silence after which the estimator is told that time passes (DESIGN §3)
-
 
 class DetectedHands(NamedTuple):
     """The hands of one frame.

@@ -10,10 +10,11 @@ from typing import Any
 from igrip.errors import IgripError
 from igrip.observation import Observation
 from igrip.perception.cameras import Camera
-from igrip.perception.pipeline.merge import TICK, DetectedHands, DetectedObjects, Merger, Result
+from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects, Merger, Result
 from igrip.perception.pipeline.worker import Worker
 from igrip.rgbd import RgbdFrame
 from igrip.runtime.latency import LatencyMeter
+from igrip.runtime.loop import TICK
 from igrip.runtime.mailbox import Mailbox
 
 MAX_WAIT = 5.0  # s that the last frames of a recording may take

@@ -28,18 +28,11 @@ def parse_options(texts: Sequence[str]) -> dict[str, Any]:
     return options
 
 
-def validated(
-    kind: type[S], estimator: str, options: Mapping[str, Any], renamed: Mapping[str, str]
-) -> S:
-    """Return an estimator's options as its settings, or raise an IgripError that names the option.
-
-    ``renamed`` are the new names of options by their names in version 0.1.
-    """
-    for old in options.keys() & renamed.keys():
-        raise IgripError(f"{estimator}: option {old} is now called {renamed[old]}")
+def validated(kind: type[S], estimator: str, options: Mapping[str, Any]) -> S:
+    """Return an estimator's options as its settings, or raise an IgripError that names it."""
     try:
         return kind(**options)
     except ValidationError as error:
         first = error.errors()[0]
         name = ".".join(map(str, first["loc"]))
-        raise IgripError(f"{estimator}: option {name}: {first['msg']}") from error
+        raise IgripError(": ".join(filter(None, (estimator, name, first["msg"])))) from error

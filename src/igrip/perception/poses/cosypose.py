@@ -32,7 +32,6 @@ YCBV = (
 """The objects of YCB-Video in the order of BOP, whose numbers begin at 1 (Hodan et al. 2018)."""
 LABELS = {f"ycbv-obj_{number:06d}": name for number, name in enumerate(YCBV, 1)}
 ROTATION_TOLERANCE = 1e-2  # by which a matrix may fail to be a rotation
-RENAMED = {"least": "min_score", "patience": "timeout", "missing": "missing_after"}
 
 
 class CosyPoseOptions(Settings):
@@ -88,7 +87,7 @@ class CosyPoses:
     """
 
     def __init__(self, catalog: Catalog, options: Mapping[str, Any]) -> None:
-        self._options = validated(CosyPoseOptions, "cosypose", options, RENAMED)
+        self._options = validated(CosyPoseOptions, "cosypose", options)
         wanted = self._options.models
         labels = {**LABELS, **self._options.labels}
         self._models = {

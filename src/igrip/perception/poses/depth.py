@@ -35,10 +35,6 @@ from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
 POINTS = 3000  # that a new object is fitted to in the end
-RENAMED = {
-    "misfit": "max_misfit", "nearest": "min_depth", "farthest": "max_depth",
-    "every": "search_interval", "base": "tolerance",
-}  # fmt: skip
 
 
 class DepthOptions(Settings):
@@ -103,7 +99,7 @@ class DepthPoses:
     """
 
     def __init__(self, catalog: Catalog, options: Mapping[str, Any] | None = None) -> None:
-        self.options = validated(DepthOptions, "depth", options or {}, RENAMED)
+        self.options = validated(DepthOptions, "depth", options or {})
         names = catalog if self.options.models is None else self.options.models
         self._shapes: dict[str, Shape] = {}
         for name in names:

@@ -27,7 +27,6 @@ from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
 NEARER = 0.03  # m: what is so much nearer than a tag hides it; guess
-RENAMED = {"lasting": "max_pose_age", "missing": "missing_after"}
 
 
 class TagOptions(Settings):
@@ -165,7 +164,7 @@ class TagPoses:
         before = up = None
         if last is not None and frame.t - last.t <= self._options.max_pose_age:
             before = camera_from_world @ last.world_from_object
-        # a camera that was never placed knows no up
+        # without a calibrated pose of the camera, up is unknown
         if self._upright[id] and not np.array_equal(frame.world_from_camera, np.eye(4)):
             up = np.array([0.0, 0.0, 1.0]), camera_from_world[:3, :3] @ self._options.up
         return choose_pose(tag_poses(tags, self._placements[id], frame.intrinsics), before, up)
@@ -228,7 +227,7 @@ def read_options(options: Mapping[str, Any]) -> TagsOptions:
             '{7: {"model": "006_mustard_bottle", "size": 0.03, "position": …, "orientation": …}}'
             ", or the path of a TOML file with tables [tags.7]"
         )
-    read = validated(TagsOptions, "tags", given, RENAMED)
+    read = validated(TagsOptions, "tags", given)
     for number, tag in read.tags.items():
         if not 0.99 < float(np.linalg.norm(tag.orientation)) < 1.01:
             raise IgripError(f"tags: tags.{number}.orientation: is not a rotation")

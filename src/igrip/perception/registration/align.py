@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.perception.registration.rigid_pose import into_mesh, rotate, turn_about
+from igrip.perception.registration.rigid_pose import rotate, rotate_back, turn_about
 from igrip.perception.registration.signed_distance import look_up
 from igrip.rgbd import Array
 
@@ -50,6 +50,7 @@ def align(points, surface, pose, resting, planar, annealing, information):
         Weighted root mean square of the distances [m] and the sum of the weights at the last step.
     """
     rotation, translation = pose
+    values, origin, cell = surface.field
     radius, middle = surface.radius, surface.centre
     up, height, hold = resting
     widest, narrowest, steps = annealing
@@ -73,7 +74,10 @@ def align(points, surface, pose, resting, planar, annealing, information):
         total, squares = 0.0, 0.0
         for n in range(points.shape[0]):
             x, y, z = points[n, 0], points[n, 1], points[n, 2]
-            r = look_up(surface.field, *into_mesh(pose, x, y, z), g)
+            mx, my, mz = rotate_back(
+                rotation, x - translation[0], y - translation[1], z - translation[2]
+            )
+            r = look_up(values, origin, cell, mx, my, mz, g)
             if abs(r) >= limit:
                 continue
             weight = (1.0 - (r / limit) ** 2) ** 2

@@ -6,7 +6,7 @@ import numpy as np
 
 from igrip.compiled import kernel
 from igrip.perception.registration.clusters import MIN_HEIGHT
-from igrip.perception.registration.rigid_pose import RigidPose, into_mesh, rotate, rotate_back
+from igrip.perception.registration.rigid_pose import RigidPose, rotate, rotate_back
 from igrip.perception.registration.shape import Surface
 from igrip.perception.registration.signed_distance import look_up
 from igrip.perception.registration.view import DepthView
@@ -37,13 +37,15 @@ def points_near(
 @kernel
 def _collect(view, pose, surface, stride, points, depths):
     """Write points (n, 3) and depths (n,) of every ``stride``-th pixel; return how many."""
-    depth, camera, t = view.depth, view.intrinsics, view.table_from_camera
+    rotation, translation = pose
+    values, origin, cell = surface.field
+    depth, mask, camera, t = view.depth, view.mask, view.intrinsics, view.table_from_camera
     about = np.empty(3)
     g = np.empty(3)
     for i in range(3):
-        about[i] = pose.translation[i] - t[i, 3]
+        about[i] = translation[i] - t[i, 3]
         for k in range(3):
-            about[i] += pose.rotation[i, k] * surface.centre[k]
+            about[i] += rotation[i, k] * surface.centre[k]
     x, y, z = rotate_back(t, about[0], about[1], about[2])
     reach = surface.radius + GATE
     if z - reach <= 0.05:
@@ -55,7 +57,7 @@ def _collect(view, pose, surface, stride, points, depths):
     count = 0
     for v in range(top, bottom, stride):
         for u in range(left, right, stride):
-            if view.mask[v, u]:
+            if mask[v, u]:
                 continue
             raw = depth[v, u]
             if abs(raw - z) > reach or not raw > 0.0:
@@ -66,7 +68,9 @@ def _collect(view, pose, surface, stride, points, depths):
             px, py, pz = px + t[0, 3], py + t[1, 3], pz + t[2, 3]
             if pz < LOWEST + 3.0 * view.noise * d * d:
                 continue
-            if abs(look_up(surface.field, *into_mesh(pose, px, py, pz), g)) > GATE:
+            mx, my, mz = px - translation[0], py - translation[1], pz - translation[2]
+            mx, my, mz = rotate_back(rotation, mx, my, mz)
+            if abs(look_up(values, origin, cell, mx, my, mz, g)) > GATE:
                 continue
             if count == points.shape[0]:
                 return count

@@ -132,7 +132,7 @@ def refit(
 def refit_flipped(fit: PoseFit, points: Array, depths: Array, view: DepthView) -> PoseFit:
     """Fit to all points near, as it is and half round about each of its axes; return the best.
 
-    Boxes and bottles look nearly alike then: a few hundred points do not tell.
+    Boxes and bottles look nearly alike then: a few hundred points do not decide.
     """
     fits = [refit(one, points, depths, view, DENSE) for one in (fit, *_flipped(fit))]
     return fits[int(np.argmin([misfit(one, points, view) for one in fits]))]

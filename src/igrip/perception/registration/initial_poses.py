@@ -67,7 +67,7 @@ def _settle(
     pose = RigidPose(np.empty((3, 3)), np.empty(3))
     rotation, translation = pose
     camera_from_mesh = RigidPose(np.empty((3, 3)), np.empty(3))
-    camera_from_table = view.camera_from_table
+    camera_from_table, samples, normals = view.camera_from_table, surface.points, surface.normals
     eye = np.zeros(3)
     for i in range(3):
         for k in range(3):
@@ -87,16 +87,16 @@ def _settle(
                 rotation[2, k] = rotations[way, 2, k]
             # the middle of what the camera would see goes over the middle of what it sees
             x, y, weight = 0.0, 0.0, 1e-9
-            for n in range(surface.points.shape[0]):
+            for n in range(samples.shape[0]):
                 facing = 0.0
                 for i in range(3):
                     for k in range(3):
-                        facing += towards[i] * rotation[i, k] * surface.normals[n, k]
+                        facing += towards[i] * rotation[i, k] * normals[n, k]
                 if facing > 0.0:
                     weight += facing
                     for k in range(3):
-                        x += facing * rotation[0, k] * surface.points[n, k]
-                        y += facing * rotation[1, k] * surface.points[n, k]
+                        x += facing * rotation[0, k] * samples[n, k]
+                        y += facing * rotation[1, k] * samples[n, k]
             translation[0], translation[1] = mean[0] - x / weight, mean[1] - y / weight
             translation[2] = heights[way]
             align(points, surface, pose, ANYWHERE, True, ANNEALING, information)

@@ -52,13 +52,6 @@ def rotate_back(r: Array, x: float, y: float, z: float) -> tuple[float, float, f
 
 
 @kernel
-def into_mesh(pose: RigidPose, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a point of the other frame in that of the mesh [m]."""
-    t = pose.translation
-    return rotate_back(pose.rotation, x - t[0], y - t[1], z - t[2])  # type: ignore[no-any-return]
-
-
-@kernel
 def turn_about(pose: RigidPose, centre: Array, w: Array, shift: Array) -> None:
     """Turn a pose by the rotation vector w (3,) about a point, then shift it; in place."""
     rotation, translation = pose

@@ -76,9 +76,11 @@ def _fill(boxes, links, leaves, rays, field):
 
 
 @kernel
-def look_up(field, x, y, z, gradient):
-    """Return the signed distance of a point of the mesh's frame [m]; write its gradient (3,)."""
-    values, origin, cell = field
+def look_up(values, origin, cell, x, y, z, gradient):
+    """Return the signed distance of a point of the mesh's frame [m]; write its gradient (3,).
+
+    The field is given in its parts: a tuple of arrays costs time to pass, and loops call this.
+    """
     nx, ny, nz = values.shape
     a, b, c = (x - origin[0]) / cell, (y - origin[1]) / cell, (z - origin[2]) / cell
     a0 = min(max(a, 0.0), nx - 1.000001)
@@ -110,6 +112,7 @@ def look_up(field, x, y, z, gradient):
 
 @kernel
 def _look_up_all(field, points, out):
-    gradient = np.empty(3)
+    values, origin, cell = field
+    g = np.empty(3)
     for n in range(points.shape[0]):
-        out[n] = look_up(field, points[n, 0], points[n, 1], points[n, 2], gradient)
+        out[n] = look_up(values, origin, cell, points[n, 0], points[n, 1], points[n, 2], g)

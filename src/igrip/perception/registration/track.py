@@ -1,7 +1,7 @@
 """Follow one object from frame to frame: visible and fitted, hidden and kept, or gone.
 
-Hidden is what something nearer covers: nothing is known of it, so it stays where it was, with the
-time when it was last visible. Gone is what farther things are measured through.
+An object is hidden where something nearer covers it: it keeps its pose, and the time when it was
+last visible. It is gone where farther surfaces are measured in its place.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.perception.registration.rigid_pose import into_mesh, rotate, rotate_back
+from igrip.perception.registration.rigid_pose import rotate, rotate_back
 from igrip.perception.registration.signed_distance import look_up
 
 MIN_COSINE = 0.15  # between surface and line of sight; at less nothing is concluded
@@ -58,17 +58,11 @@ def local_depths(depth, stride, nearest, farthest, out):
 
 
 @kernel
-def tolerance_at(z, view):
-    """Return within which distance a measurement at depth z fits [m]."""
-    return view.tolerance + 2.5 * view.noise * z * z
-
-
-@kernel
-def _hides_itself(field, x, y, z, dx, dy, dz, far, gradient):
+def _hides_itself(values, origin, cell, x, y, z, dx, dy, dz, far, gradient):
     """Whether a mesh is between a point on it and the camera in this direction (unit vector)."""
-    s = CLEAR + 0.5 * field.cell
+    s = CLEAR + 0.5 * cell
     while s < far:
-        away = look_up(field, x + s * dx, y + s * dy, z + s * dz, gradient)
+        away = look_up(values, origin, cell, x + s * dx, y + s * dy, z + s * dz, gradient)
         if away < -0.001:
             return True
         s += max(away, 0.004)
@@ -88,26 +82,28 @@ def compare_with_depth(view, pose, surface):
     surface : igrip.perception.registration.shape.Surface
         Of the mesh.
     """
-    t, depth, intrinsics = pose.translation, view.depth, view.intrinsics
+    rotation, t = pose
+    values, origin, cell = surface.field
+    points, normals, far = surface.points, surface.normals, 2.0 * surface.radius
+    depth, mask, intrinsics = view.depth, view.mask, view.intrinsics
     g = np.empty(3)
     match, fit, through, hidden, missing, outside = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     total = 0.0
     # the camera, in the frame of the mesh
-    ex, ey, ez = rotate_back(pose.rotation, t[0], t[1], t[2])
+    ex, ey, ez = rotate_back(rotation, t[0], t[1], t[2])
     ex, ey, ez = -ex, -ey, -ez
-    for n in range(surface.points.shape[0]):
-        sx, sy, sz = surface.points[n, 0], surface.points[n, 1], surface.points[n, 2]
+    for n in range(points.shape[0]):
+        sx, sy, sz = points[n, 0], points[n, 1], points[n, 2]
         dx, dy, dz = ex - sx, ey - sy, ez - sz
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         dx, dy, dz = dx / length, dy / length, dz / length
-        normal = surface.normals[n]
-        weight = dx * normal[0] + dy * normal[1] + dz * normal[2]
+        weight = dx * normals[n, 0] + dy * normals[n, 1] + dz * normals[n, 2]
         if weight < MIN_COSINE:
             continue
-        if _hides_itself(surface.field, sx, sy, sz, dx, dy, dz, 2.0 * surface.radius, g):
+        if _hides_itself(values, origin, cell, sx, sy, sz, dx, dy, dz, far, g):
             continue
         total += weight
-        x, y, z = rotate(pose.rotation, sx, sy, sz)
+        x, y, z = rotate(rotation, sx, sy, sz)
         x, y, z = x + t[0], y + t[1], z + t[2]
         if z <= 0.0:
             outside += weight
@@ -118,7 +114,7 @@ def compare_with_depth(view, pose, surface):
             outside += weight
             continue
         measured = local_depth(depth, u, v)
-        if view.mask[v, u]:
+        if mask[v, u]:
             hidden += weight
             continue
         if not measured > 0.0:
@@ -127,7 +123,7 @@ def compare_with_depth(view, pose, surface):
         # how far along the normal the measured point is from the surface: the way along the line
         # of sight, z over the measured depth as everything on it, times the cosine
         gap = (1.0 - measured / z) * length * weight
-        limit = tolerance_at(z, view)
+        limit = view.tolerance + 2.5 * view.noise * z * z
         if abs(gap) < limit:
             match += weight
             fit += weight * (1.0 - (gap / limit) ** 2)
@@ -149,12 +145,15 @@ def share_explained(points, depths, pose, surface, view):
     ``depths`` (n,) are theirs along the optical axis; ``pose`` is that of the mesh in the frame of
     the points.
     """
+    rotation, t = pose
+    values, origin, cell = surface.field
     g = np.empty(3)
     well = 0.0
     for n in range(points.shape[0]):
-        place = into_mesh(pose, points[n, 0], points[n, 1], points[n, 2])
-        r = look_up(surface.field, *place, g)
-        limit = tolerance_at(depths[n], view)
+        x, y, z = points[n, 0] - t[0], points[n, 1] - t[1], points[n, 2] - t[2]
+        x, y, z = rotate_back(rotation, x, y, z)
+        r = look_up(values, origin, cell, x, y, z, g)
+        limit = view.tolerance + 2.5 * view.noise * depths[n] * depths[n]
         if abs(r) < limit:
             well += 1.0 - (r / limit) ** 2
     return well / max(points.shape[0], 1)
