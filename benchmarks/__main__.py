@@ -11,7 +11,6 @@ from rich.table import Table
 from igrip.cli import bench
 from igrip.cli.console import errors, output, print_json
 from igrip.lab.speed import measure
-from igrip.lab.speed.memory import memory
 from igrip.objects.catalog import load_objects
 
 from . import picture, run
@@ -45,7 +44,7 @@ def main(
         report["batch"] = run.batch(catalog, 10 * frames)
         if memory_frames:
             status.update("Running for the memory …")
-            report["memory"] = memory(catalog, memory_frames)
+            report["memory"] = measure.memory(catalog, memory_frames)
     report["bars"] = run.bars(report)
     if plot is not None:
         picture.draw(report, plot)

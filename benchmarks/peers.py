@@ -11,8 +11,7 @@ from scipy.spatial import cKDTree
 from igrip.estimator import Estimator
 from igrip.geometry.scene import PlacedObject
 from igrip.lab.speed import scenes
-from igrip.lab.speed.engines import Embree
-from igrip.lab.speed.recorded import PAPER, Recorded
+from igrip.lab.speed.peers import PAPER, Embree, Recorded
 from igrip.lab.speed.timing import Work
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from igrip.lab.report.matplotlib_figure import new_figure
-from igrip.lab.speed.recorded import TRIMESH
+from igrip.lab.speed.peers import TRIMESH
 
 
 def draw(report: dict[str, Any], path: Path) -> None:

@@ -17,7 +17,7 @@ from igrip.geometry.scene import RayConfig
 from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
 from igrip.lab.speed import measure, scenes
 from igrip.lab.speed.measure import BAYES_RATIO, CONFIGS, OWN
-from igrip.lab.speed.recorded import EMBREE, PAPER, TRIMESH, WARM_UP, Recorded, warm
+from igrip.lab.speed.peers import EMBREE, PAPER, TRIMESH, WARM_UP, Recorded, warm
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog, load_objects
 from igrip.observation import Observation
 

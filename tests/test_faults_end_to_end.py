@@ -12,8 +12,9 @@ import pytest
 
 import igrip
 from igrip.lab.simulation.demo import DemoPerson
-from igrip.lab.simulation.faults import KINDS, Fault, every_kind, inject
+from igrip.lab.simulation.faults import KINDS, Fault, inject
 from observer import BELIEVED, Observer
+from support import every_kind
 
 
 def person(ycb, seconds, seed=0):

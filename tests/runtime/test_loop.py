@@ -10,14 +10,14 @@ import igrip
 from igrip.errors import IgripError, ObservationError
 from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
 from igrip.lab.simulation.demo import DemoPerson
-from igrip.lab.simulation.faults import every_kind, inject
+from igrip.lab.simulation.faults import inject
 from igrip.observation import Observation
 from igrip.runtime.clock_sync import ArrivalClock, RunClock, SenderClock
 from igrip.runtime.loop import TICK, Loop, Sender
 from igrip.runtime.protocol import Command
 from igrip.runtime.stream_input import StreamInput
 from runtime_fakes import SENDER, Clock, Collector, reach
-from support import BOX, CAN, UPRIGHT
+from support import BOX, CAN, UPRIGHT, every_kind
 
 EAGER = igrip.Config(targets="paper", commitment={"reliability": 0.0})
 

@@ -9,8 +9,7 @@ from rich.table import Table
 
 from igrip.cli.console import errors, output, print_json
 from igrip.lab.speed import measure
-from igrip.lab.speed.memory import memory
-from igrip.lab.speed.recorded import TRIMESH, Recorded
+from igrip.lab.speed.peers import TRIMESH, Recorded
 from igrip.objects.catalog import load_objects
 
 Frames = Annotated[int, typer.Option(help="Frames of each run.", min=20)]
@@ -60,7 +59,7 @@ def bench(
         report["growth"] = {"objects": rows}
         if memory_frames:
             status.update("Running for the memory …")
-            report["memory"] = memory(catalog, memory_frames)
+            report["memory"] = measure.memory(catalog, memory_frames)
     if as_json:
         print_json(report)
     else:

@@ -2,10 +2,9 @@
 
 import pytest
 
-from igrip.lab.speed import measure, recorded
+from igrip.lab.speed import measure, peers
 from igrip.lab.speed.measure import BAYES_RATIO, OWN, WITH_BAYES
-from igrip.lab.speed.memory import memory
-from igrip.lab.speed.recorded import EMBREE, Recorded
+from igrip.lab.speed.peers import EMBREE, Recorded
 
 
 def test_ratios_are_of_medians_run_by_run():
@@ -25,8 +24,8 @@ def test_engines_that_are_not_installed_are_left_out_and_named(ycb, monkeypatch)
     def absent(objects):
         raise ImportError("No module named 'engine'")
 
-    monkeypatch.setattr(recorded, "Embree", absent)
-    monkeypatch.setattr(recorded, "PlainTrimesh", absent)
+    monkeypatch.setattr(peers, "Embree", absent)
+    monkeypatch.setattr(peers, "PlainTrimesh", absent)
     scene = Recorded.run(ycb, 20)
     report = measure.compare(ycb, scene, scene.embree(), runs=2, plain_frames=1)
     assert report["missing"] == ["No module named 'engine'"] * 2
@@ -39,17 +38,17 @@ def test_engines_that_are_not_installed_are_left_out_and_named(ycb, monkeypatch)
 def test_the_rays_of_a_frame_are_cast_by_every_engine(ycb):
     pytest.importorskip("embreex", reason="no wheel for this machine")
     scene = Recorded.run(ycb, 20)
-    assert len(scene.rays) == recorded.WARM_UP + 20
+    assert len(scene.rays) == peers.WARM_UP + 20
     assert scene.rays[0] is None  # no hand moves yet
     contestants = scene.embree()
     assert set(contestants) == {EMBREE}
     frame = 25  # the hands are on their way to the objects
     hits = contestants[EMBREE](frame)
     assert contestants[EMBREE](0) is None
-    plain = recorded.PlainTrimesh(scene.objects).cast(scene.rays[frame])
+    plain = peers.PlainTrimesh(scene.objects).cast(scene.rays[frame])
     assert max(abs(a - b) for a, b in zip(hits, plain, strict=True)) <= 2  # single precision
     assert sum(plain) > 0
 
 
 def test_memory_of_a_run(ycb):
-    assert memory(ycb, 400)["frames"] == 400  # longer than a lap: time goes on
+    assert measure.memory(ycb, 400)["frames"] == 400  # longer than a lap: time goes on

@@ -5,8 +5,7 @@ import pytest
 
 from igrip import Config, Estimator
 from igrip.lab.speed import scenes
-from igrip.lab.speed.engines import Embree, rays_of
-from igrip.lab.speed.recorded import WARM_UP
+from igrip.lab.speed.peers import WARM_UP, Embree, rays_of
 
 FRAMES = 300
 

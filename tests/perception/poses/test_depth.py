@@ -8,11 +8,12 @@ from scipy.spatial.transform import Rotation
 
 from igrip.errors import IgripError, UnknownModelError
 from igrip.lab.rendering.layout import PlacedMesh, look_at
-from igrip.lab.rendering.scene import Overlay, RenderedScene, colour_of, random_scene
+from igrip.lab.rendering.scene import RenderedScene, colour_of, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.perception.poses import POSES
 from igrip.perception.poses.depth import DepthPoses
 from igrip.rgbd import Intrinsics, RgbdFrame
+from overlaid_scene import Overlay, overlaid
 
 MUSTARD, SOUP, BOX = "006_mustard_bottle", "005_tomato_soup_can", "003_cracker_box"
 CAMERA = look_at(np.array([0.05, -0.62, 0.52]), np.array([0.0, 0.0, 0.07]))
@@ -60,9 +61,10 @@ def two(catalog, **places):
 
 
 def film(estimator, scene, count, start=0.0, overlays=(), hands=(), seed=0):
+    scene = overlaid(scene, overlays)
     random = np.random.default_rng(seed)
     for k in range(count):
-        yield estimator.estimate(scene.frame(start + k / 30, random, overlays), hands)
+        yield estimator.estimate(scene.frame(start + k / 30, random), hands)
 
 
 @pytest.mark.parametrize("seed", [100, 102, 103])  # in which none hides another
@@ -234,10 +236,10 @@ def test_hands_cover_what_is_under_them(catalog, estimator):
 def test_each_camera_has_its_own_memory(catalog, estimator):
     scene = two(catalog)
     random = np.random.default_rng(0)
-    assert len(estimator.estimate(scene.frame(0.0, random, camera="left"))) == 2
+    assert len(estimator.estimate(replace(scene.frame(0.0, random), camera="left"))) == 2
     empty = RenderedScene({}, CAMERA)
-    assert estimator.estimate(empty.frame(0.1, random, camera="right")) == {}
-    assert all(estimator.estimate(scene.frame(0.2, random, camera="left")).values())
+    assert estimator.estimate(replace(empty.frame(0.1, random), camera="right")) == {}
+    assert all(estimator.estimate(replace(scene.frame(0.2, random), camera="left")).values())
 
 
 def test_no_table_no_objects(catalog, estimator):

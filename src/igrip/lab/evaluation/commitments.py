@@ -95,17 +95,16 @@ def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dic
     began in a minute without a reach.
     """
     known = reaches[reaches["commit_part"].notna()] if "commit_part" in reaches else reaches[:0]
-    parts = list(known["commit_part"]) if len(known) else []
-    part = np.array([list(row) for row in parts], dtype=np.float64)  # None: NaN
-    right = np.array([list(row) for row in known["commit_right"]] if parts else [], dtype=bool)
+    part = np.array([list(row) for row in known.get("commit_part", ())], dtype=np.float64)
+    right = np.array([list(row) for row in known.get("commit_right", ())], dtype=bool)
     minutes = float(none["seconds"].sum()) / 60.0
-    if not parts and not minutes:
+    if not len(part) and not minutes:
         return []
     curve = []
     for k, reliability in enumerate(RELIABILITIES):
         entry: dict[str, Any] = {"reliability": reliability}
-        if parts:
-            given = ~np.isnan(part[:, k])
+        if len(part):
+            given = ~np.isnan(part[:, k])  # where None was
             entry |= {
                 "reaches": len(part), "committed": float(given.mean()),
                 "right": float(right[given, k].mean()) if given.any() else None,

@@ -8,7 +8,7 @@ import numpy as np
 
 from igrip.io.datasets.dataset import Trial
 from igrip.lab.evaluation.movement import movement_bounds, smooth_speeds
-from igrip.lab.evaluation.validity import MAX_MISSED
+from igrip.lab.evaluation.trials import MAX_MISSED
 from igrip.observation import Observation
 
 Bounds = tuple[float, float]

@@ -30,26 +30,14 @@ _analyse_in_worker: Callable[[Trial], Any]  # set in worker processes only
 
 
 class EstimatorRun:
-    """An estimator at work, and all that it answered.
-
-    Attributes
-    ----------
-    config : Config
-        Of the estimator.
-    intentions : list of Intention
-        All answers, in order.
-    speeds : list of float
-        Of the hand of each [m/s]; NaN where its motion is not known.
-    evidence : list of MessageEvidence
-        After each message.
-    """
+    """An estimator at work, and all that it answered."""
 
     def __init__(self, catalog: Catalog, config: Config) -> None:
         self.config = config
         self.estimator = Estimator(catalog, config)
-        self.intentions: list[Intention] = []
-        self.speeds: list[float] = []
-        self.evidence: list[MessageEvidence] = []
+        self.intentions: list[Intention] = []  # all, in order
+        self.speeds: list[float] = []  # of the hand of each [m/s]; NaN: not known
+        self.evidence: list[MessageEvidence] = []  # after each message
 
     def update(self, observation: Observation) -> list[Intention]:
         """Process one message; return the new intentions."""
@@ -131,12 +119,12 @@ def run_trials(
     ``analyse`` reduces a :class:`TrialRun` to what is wanted of it; another process finds it by its
     name. With ``jobs`` (:func:`count_jobs`) of 1 there is no other process.
     """
-    analyse_trial = partial(_analyse_trial, dataset, catalog, tuple(configs), analyse)
+    run = partial(run_trial, dataset, catalog=catalog, configs=tuple(configs))
     if jobs <= 1:
-        yield from map(analyse_trial, trials)
+        yield from (analyse(run(trial)) for trial in trials)
         return
     context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
-    with ProcessPoolExecutor(jobs, context, _start_worker, (analyse_trial,)) as pool:
+    with ProcessPoolExecutor(jobs, context, _start_worker, (run, analyse)) as pool:
         chunk = max(1, min(MAX_CHUNK, len(trials) // (8 * jobs)))
         yield from pool.map(_work, trials, chunksize=chunk)
 
@@ -152,20 +140,10 @@ def spread(trials: Sequence[Trial], limit: int) -> list[Trial]:
     return [trials[k * len(trials) // count] for k in range(count)]
 
 
-def _analyse_trial(
-    dataset: Dataset,
-    catalog: Catalog,
-    configs: Sequence[Config],
-    analyse: Callable[[TrialRun], Result],
-    trial: Trial,
-) -> Result:
-    return analyse(run_trial(dataset, trial, catalog, configs))
-
-
-def _start_worker(analyse_trial: Callable[[Trial], Any]) -> None:
+def _start_worker(run: Callable[[Trial], TrialRun], analyse: Callable[[TrialRun], Any]) -> None:
     """Keep what all trials of a process share: models take time to read."""
     global _analyse_in_worker
-    _analyse_in_worker = analyse_trial
+    _analyse_in_worker = lambda trial: analyse(run(trial))  # noqa: E731
 
 
 def _work(trial: Trial) -> Any:

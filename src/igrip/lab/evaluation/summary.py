@@ -54,7 +54,7 @@ def summarise(frame: pd.DataFrame, name: str, targets: Sequence[str]) -> dict[st
         "reaches": len(reaches),
         "valid": len(valid),
         "valid_share": _share(len(valid), len(reaches)),
-        "invalid_reasons": _count(reaches, "invalid_reason"),
+        "invalid_reasons": reaches["invalid_reason"].value_counts().to_dict(),
         "observed_share": _share(
             (reaches["observed"] * reaches["messages"]).sum(), reaches["messages"].sum()
         ),
@@ -217,7 +217,3 @@ def _minutes(rows: pd.DataFrame) -> float:
 
 def _share(part: float, whole: float) -> float | None:
     return float(part) / float(whole) if whole else None
-
-
-def _count(rows: pd.DataFrame, column: str) -> dict[str, int]:
-    return {str(k): int(v) for k, v in rows[column].dropna().value_counts().items()}

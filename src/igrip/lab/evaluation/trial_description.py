@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from igrip.geometry.scene import PlacedObject
-from igrip.io.datasets.dataset import Trial
 from igrip.lab.evaluation.recorded_trial import Bounds, RecordedTrial
-from igrip.lab.evaluation.validity import assess_detection
+from igrip.lab.evaluation.trials import assess_detection
 
 NO_REACH = "none"  # the target of a recording without a reach
 SIDES = ("left", "right")
@@ -59,12 +58,14 @@ def describe_trial(
 
     ``bounds`` are onset and end of the movement [s] or None; ``objects`` those usable at onset.
     """
-    trial = recorded.trial
+    trial, view = recorded.trial, None
+    if trial.camera_side in SIDES and trial.hand in SIDES:  # the camera's side is that of the hand
+        view = "ipsi" if trial.camera_side == trial.hand else "contra"
     row: dict[str, Any] = {
         "recording": trial.recording, "participant": trial.participant, "trial": trial.trial,
         "camera": trial.camera, "camera_side": trial.camera_side, "hand": trial.hand,
         "target": trial.target, "grip": trial.grip, "movement": trial.movement,
-        "view": _view(trial), "group": trial.extra.get("distance"),
+        "view": view, "group": trial.extra.get("distance"),
         "messages": len(recorded.times),
         "observed": recorded.observed / max(1, len(recorded.times)),
         "objects": len(recorded.objects), "seconds": recorded.seconds,
@@ -89,13 +90,6 @@ def describe_trial(
         ),
     }  # fmt: skip
     return row | _gaps(recorded, onset, objects)
-
-
-def _view(trial: Trial) -> str | None:
-    """Return whether the camera stood on the side of the hand."""
-    if trial.camera_side not in SIDES or trial.hand not in SIDES:
-        return None
-    return "ipsi" if trial.camera_side == trial.hand else "contra"
 
 
 def _gaps(

@@ -36,7 +36,9 @@ def score_answers(
     right = np.array([i.target == trial.target for i in own], dtype=bool)
     # the grip of the *predicted* target, whichever it is (SPEC §7)
     grip = np.array([i.grip is not None and i.grip == trial.grip for i in own], dtype=bool)
-    possible = np.array([_is_possible(i) for i in own], dtype=bool)
+    # an answer was possible: the hand is followed, and some object can be used
+    following = ("idle", "reaching", "holding")
+    possible = np.array([i.status in following and bool(i.scores) for i in own], dtype=bool)
     first = times[possible][0] if possible.any() else np.inf
     counted = (times >= first) & (times <= end)
     row: dict[str, Any] = {
@@ -61,11 +63,6 @@ def score_answers(
         at &= onset + np.array(FRACTIONS) * (end - onset) <= last + SLACK
         row |= {f"{name}right_at_{f:.0%}": bool(x) for f, x in zip(FRACTIONS, at, strict=True)}
     return row | _calibration(trial.target, [i for i in own if onset <= i.t <= end])
-
-
-def _is_possible(intention: Intention) -> bool:
-    """Whether an answer was possible: the hand is followed, and some object can be used."""
-    return intention.status in ("idle", "reaching", "holding") and bool(intention.scores)
 
 
 def _count_named_targets(intentions: Sequence[Intention]) -> dict[str, Any]:

@@ -23,13 +23,10 @@ def draw_mesh(
         Pose of the camera in the frame of the mesh.
     sphere : (4,)
         Centre, in the camera's frame, and radius of a sphere round the mesh [m].
-    intrinsics : Intrinsics
-        Of the picture.
     label : int
-        Written where the mesh is seen.
+        Written to ``labels`` (h, w) where the mesh is seen.
     depth : (h, w) float64, written
         Along the optical axis [m]; infinity for nothing.
-    labels : (h, w) int32, written
     """
     height, width = depth.shape
     _, _, fx, fy, cx, cy = intrinsics

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from igrip.lab.simulation.table import yaw_rotation
 from igrip.objects.model import ObjectModel
 from igrip.objects.stable_poses import stable_poses
 from igrip.rgbd import Array
@@ -18,21 +19,15 @@ GRID = 0.004  # of footprints [m]
 
 
 class LayoutConfig(Settings):
-    """How objects are scattered and where the camera stands.
-
-    Attributes
-    ----------
-    distance, elevation : 2 floats
-        Ranges of the camera's distance from the middle of the scene [m] and of the angle at which
-        it looks down [degrees]; a demonstrator on a tripod, guess.
-    """
+    """How objects are scattered and where the camera stands."""
 
     width: float = quantity(0.60, "m", "objects stand within it, left to right", "guess", gt=0)
     depth: float = quantity(0.40, "m", "and within it, away from the camera", "guess", gt=0)
     min_gap: float = quantity(0.03, "m", "between two objects", "the stated bar", ge=0)
     lying: float = quantity(0.3, "1", "probability that an object does not stand", "guess", ge=0)
-    distance: tuple[float, float] = (0.7, 1.0)
-    elevation: tuple[float, float] = (30.0, 50.0)
+    # ranges of the camera: a demonstrator on a tripod, guess
+    distance: tuple[float, float] = (0.7, 1.0)  # from the middle of the scene [m]
+    elevation: tuple[float, float] = (30.0, 50.0)  # at which it looks down [degrees]
 
 
 @dataclass(frozen=True)
@@ -65,7 +60,7 @@ def scatter(
         for attempt in range(MAX_TRIES):
             if attempt % SAME_TURN == 0:  # its footprint moves along with it: computed once a turn
                 pose = np.eye(4)
-                pose[:3, :3] = _about_z(random.uniform(-np.pi, np.pi)) @ ways.rotations[way]
+                pose[:3, :3] = yaw_rotation(random.uniform(-np.pi, np.pi)) @ ways.rotations[way]
                 pose[2, 3] = ways.heights[way]
                 middle = pose[:3, :3] @ model.sphere[:3]
                 own = footprint(model, pose)
@@ -111,8 +106,3 @@ def look_at(eye: Array, target: Array) -> Array:
     pose[:3, :3] = np.stack([right, np.cross(ahead, right), ahead], axis=1)
     pose[:3, 3] = eye
     return pose
-
-
-def _about_z(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

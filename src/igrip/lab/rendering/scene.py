@@ -35,28 +35,6 @@ class RenderConfig(Settings):
 
 
 @dataclass(frozen=True, eq=False)
-class Overlay:
-    """A picture with depth, put into a rendered one where it is nearer: a hand, for one.
-
-    Attributes
-    ----------
-    colour : (h, w, 3) uint8
-    mask : (h, w) bool
-        Where there is anything.
-    depth : (h, w)
-        Along the optical axis [m].
-    x, y : int
-        Where its top-left pixel goes; it may stick out of the picture.
-    """
-
-    colour: NDArray[np.uint8]
-    mask: NDArray[np.bool_]
-    depth: Array
-    x: int
-    y: int
-
-
-@dataclass(frozen=True, eq=False)
 class RenderedScene:
     """Objects on the table z = 0 of the world (z up), and a camera."""
 
@@ -91,41 +69,28 @@ class RenderedScene:
             )  # fmt: skip
         return depth, labels
 
-    def frame(
-        self,
-        t: float,
-        random: np.random.Generator,
-        overlays: Sequence[Overlay] = (),
-        camera: str = "rendered",
-    ) -> RgbdFrame:
-        """Render what the camera sees.
+    def picture(self) -> tuple[Array, Array, Array]:
+        """Return what is there, without noise.
 
-        Parameters
-        ----------
-        t : float
-            Time of exposure [s].
-        random : numpy.random.Generator
-            Of the noise.
-        overlays : sequence of Overlay
-            What else there is.
-        camera : str
-            Name of the camera.
+        Colour (h, w, 3), depth (h, w) [m], and the cosine between surface and line of sight (h, w).
         """
         depth, labels = self.truth()
-        normals = _normals(depth, self.intrinsics)
         rays = _rays(self.intrinsics)
-        cosine = np.abs((normals * rays).sum(axis=2)) / np.linalg.norm(rays, axis=2)
-        colour = self._colour(labels, cosine)
-        for overlay in overlays:
-            _put(overlay, colour, depth, cosine)
+        slant = (_normals(depth, self.intrinsics) * rays).sum(axis=2)
+        cosine = np.abs(slant) / np.linalg.norm(rays, axis=2)
+        return self._colour(labels, cosine), depth, cosine
+
+    def frame(self, t: float, random: np.random.Generator) -> RgbdFrame:
+        """Render what the camera sees at a time of exposure [s]."""
+        colour, depth, cosine = self.picture()
         noisy = colour + self.config.sd_colour * random.standard_normal(colour.shape)
         if self.config.noise is None:
             measured = np.where(np.isfinite(depth), depth, 0.0).astype(np.float32)
         else:
             measured = measured_depth(depth, cosine, self.intrinsics.fx, self.config.noise, random)
         return RgbdFrame(
-            t, np.clip(noisy, 0, 255).astype(np.uint8), measured, self.intrinsics, camera,
-            self.world_from_camera,
+            t, np.clip(noisy, 0, 255).astype(np.uint8), measured, self.intrinsics,
+            "rendered", self.world_from_camera,
         )  # fmt: skip
 
     def _draw_plane(
@@ -194,19 +159,3 @@ def _normals(depth: Array, intrinsics: Intrinsics) -> Array:
     length = np.linalg.norm(normals, axis=2, keepdims=True)
     result: Array = normals / np.maximum(length, 1e-12)
     return result
-
-
-def _put(overlay: Overlay, colour: Array, depth: Array, cosine: Array) -> None:
-    """Put an overlay where it is nearer than what is there."""
-    height, width = depth.shape
-    h, w = overlay.mask.shape
-    top, left = max(0, overlay.y), max(0, overlay.x)
-    bottom, right = min(height, overlay.y + h), min(width, overlay.x + w)
-    if top >= bottom or left >= right:
-        return
-    into = np.s_[top:bottom, left:right]
-    of = np.s_[top - overlay.y : bottom - overlay.y, left - overlay.x : right - overlay.x]
-    nearer = overlay.mask[of] & (overlay.depth[of] < depth[into])
-    colour[into][nearer] = overlay.colour[of][nearer]
-    depth[into][nearer] = overlay.depth[of][nearer]
-    cosine[into][nearer] = 1.0

@@ -36,13 +36,9 @@ class StereoNoise(Settings):
     holes: float = quantity(0.01, "1", "share of pixels without depth, in spots", "guess", ge=0)
     spot: float = quantity(2.0, "pixels", "size of a spot without depth", "guess", gt=0)
     min_cosine: float = quantity(
-        0.15,
-        "1",
-        "between surface and line of sight; at less no depth is measured",
-        "guess",
-        ge=0,
+        0.15, "1", "between surface and line of sight; at less no depth is measured", "guess", ge=0,
         lt=1,
-    )
+    )  # fmt: skip
     min_depth: float = quantity(0.2, "m", "that is measured", "OAK-D S2 datasheet", ge=0)
     max_depth: float = quantity(8.0, "m", "that is measured", "guess", gt=0)
 

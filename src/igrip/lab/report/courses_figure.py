@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.lab.evaluation.recorded_trial import Bounds
 from igrip.lab.evaluation.runner import TrialRun
@@ -15,6 +14,7 @@ from igrip.lab.evaluation.time_courses import (
     GRIPS,
     SPEED,
     TARGET,
+    Array,
     TimeCourses,
     time_courses,
 )
@@ -22,7 +22,6 @@ from igrip.lab.evaluation.trials import score_trial
 from igrip.lab.report.matplotlib_figure import new_figure
 from igrip.targets import best_of
 
-Array = NDArray[np.float64]
 COLOURS = ("#e88c2e", "#2e78c2", "#b03a9c", "#7a6a3a", "#3aa0a8", "#808080", "#a0522d", "#5a5ad0")
 TARGET_COLOUR = "#2ca02c"
 GRIP_COLOURS = ("#5a82d8", "#d35ac0")

@@ -19,7 +19,7 @@ from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.runner import run_trial
 from igrip.lab.evaluation.summary import reaches_of, valid_of
 from igrip.lab.evaluation.trial_metrics import FRACTIONS
-from igrip.lab.report import claims, figures, published
+from igrip.lab.report import claims, figures
 from igrip.lab.report.courses_figure import draw_courses
 from igrip.objects.catalog import Catalog
 
@@ -69,8 +69,8 @@ def write_report(
     page = template.render(
         summary=summary, pictures=pictures, leading=leading.targets,
         fractions=[f"{f:.0%}" for f in FRACTIONS],
-        table_i=published.TABLE_I, grip=published.GRIP, conditions=published.CONDITIONS,
-        paper_valid=published.VALID_SHARE, paper_observed=published.OBSERVED_SHARE,
+        table_i=claims.TABLE_I, grip=claims.GRIP, conditions=claims.CONDITIONS,
+        paper_valid=claims.VALID_SHARE, paper_observed=claims.OBSERVED_SHARE,
         findings=claims.findings(summary), deviations=claims.deviations(summary),
     )  # fmt: skip
     (out / "report.html").write_text(page, encoding="utf-8")

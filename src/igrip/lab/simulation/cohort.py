@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.errors import DatasetError
 from igrip.io.datasets.dataset import DatasetWriter, Trial
 from igrip.lab.evaluation.movement import movement_bounds
+from igrip.lab.simulation.minimum_jerk import Array
 from igrip.lab.simulation.movement import Habits, draw_habits, draw_reach, sway, tremor
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
 from igrip.lab.simulation.parameters import CohortParameters, ProtocolParameters, checksum
@@ -23,7 +23,6 @@ from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
 
-Array = NDArray[np.float64]
 SIDES = ("left", "right")
 FINE = 200.0  # Hz of the true trace in which onset and end are found
 

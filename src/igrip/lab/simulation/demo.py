@@ -8,15 +8,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation.minimum_jerk import reach
+from igrip.lab.simulation.minimum_jerk import Array, reach
 from igrip.lab.simulation.table import Table, models_by_id, stand_at
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 
 class DemoConfig(Settings):

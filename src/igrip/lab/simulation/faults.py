@@ -161,7 +161,6 @@ DELAYS: dict[str, Callable[[Spell], float]] = {  # by how much messages are held
     "delay": lambda spell: float(spell.once("delay", lambda: spell.random.uniform(0.05, 0.6))),
     "reorder": lambda spell: float(spell.random.uniform(0.0, 0.15)),
 }
-REPEATED = ("duplicate",)
 
 
 def inject(
@@ -197,7 +196,7 @@ def inject(
                 continue
             changed = KINDS[fault.kind](changed, spell)
             wait += DELAYS[fault.kind](spell) if fault.kind in DELAYS else 0.0
-            twice |= fault.kind in REPEATED
+            twice |= fault.kind == "duplicate"
         if changed is None or wait:
             if changed is not None:
                 heapq.heappush(held, (message.t + wait, number, changed))
@@ -219,8 +218,3 @@ def _begins(fault: Fault, t: float, last: float, random: np.random.Generator) ->
         )
     passed = t - last if math.isfinite(last) else 0.0
     return bool(random.random() < -math.expm1(-fault.rate * passed))
-
-
-def every_kind(rate: float, lasts: float = 0.3) -> list[Fault]:
-    """Return faults of every kind at random, ``rate`` a second in all."""
-    return [Fault(kind, lasts=lasts, rate=rate / len(KINDS)) for kind in KINDS]

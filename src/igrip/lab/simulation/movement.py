@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation.minimum_jerk import progress
+from igrip.lab.simulation.minimum_jerk import Array, progress
 from igrip.lab.simulation.parameters import PersonParameters
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -131,10 +128,7 @@ def _hesitate(
     one = Submovement(first.begin, half, part * first.displacement, first.peak_time)
     two = Submovement(first.begin + half + pause, first.duration - 0.2 * half,
                       (1.0 - part) * first.displacement, first.peak_time)  # fmt: skip
-    later = [
-        Submovement(m.begin + half + pause, m.duration, m.displacement, m.peak_time) for m in rest
-    ]
-    return [one, two, *later]
+    return [one, two, *(replace(m, begin=m.begin + half + pause) for m in rest)]
 
 
 def tremor(person: PersonParameters, t: Array, random: np.random.Generator) -> Array:

@@ -6,15 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation.minimum_jerk import reach
+from igrip.lab.simulation.minimum_jerk import Array, reach
 from igrip.lab.simulation.movement import sway, tremor
 from igrip.lab.simulation.parameters import CohortParameters
 from igrip.lab.simulation.sensors import Poses
 from igrip.lab.simulation.table import Table
 
-Array = NDArray[np.float64]
 KINDS = ("idle", "gesture", "passing", "carrying")
 
 

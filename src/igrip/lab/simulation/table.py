@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from igrip.lab.simulation.minimum_jerk import Array
 from igrip.lab.simulation.parameters import ProtocolParameters
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.objects.model import ObjectModel
-
-Array = NDArray[np.float64]
 
 
 class GraspGap(Protocol):
@@ -23,12 +21,10 @@ class GraspGap(Protocol):
     @property
     def palm_to_body(self) -> float:
         """To the surface, in a palmar grasp [m]."""
-        ...
 
     @property
     def palm_to_top(self) -> float:
         """To the top, in a pinch [m]."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from igrip.config import Config
 from igrip.estimator import Estimator
 from igrip.lab.speed import scenes
-from igrip.lab.speed.recorded import PAPER, TRIMESH, WARM_UP, Recorded, warm
+from igrip.lab.speed.peers import PAPER, TRIMESH, WARM_UP, Recorded, warm
 from igrip.lab.speed.timing import Work, interleaved, percentiles
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
@@ -48,13 +48,7 @@ def compare(
 
     Two hands, the paper's four objects, 10 predicted points × 36 rays, the distances of the hand
     and of its predicted points to the nearest vertex. The peers' rays are prepared beforehand:
-    only the casting is timed.
-
-    Returns
-    -------
-    dict
-        ``runs`` (times of each contestant, run by run), ``best`` (of the runs), ``plain_trimesh``,
-        ``ratios_of_runs``, ``ratios`` (the best of the runs) and ``missing``.
+    only the casting is timed. ``ratios`` are the best of the runs, as are the times of ``best``.
     """
     observations = recorded.observations
     table = []
@@ -118,10 +112,7 @@ def growth(
 ) -> list[dict[str, Any]]:
     """Time ``update`` of several estimators, each on its own frames, by turns.
 
-    Returns
-    -------
-    list of dict
-        For each case its times, and the rays cast and tree nodes visited per frame.
+    Each row has the times of a case, and the rays cast and tree nodes visited per frame.
     """
     works = {str(case): lambda k, e=e, o=o: e.update(o[k]) for case, (e, o) in cases.items()}
     for estimator, observations in cases.values():
@@ -130,9 +121,8 @@ def growth(
     times = interleaved(works, range(WARM_UP, WARM_UP + frames), turn)
     rows = []
     for case, (estimator, _) in cases.items():
-        nodes_of_rays, nodes_of_points, rays = (estimator.scene.counters - before[case]) / frames
-        work = {"ray_nodes": nodes_of_rays, "point_nodes": nodes_of_points, "rays": rays}
-        work = {name: float(count) for name, count in work.items()}
+        counts = ((estimator.scene.counters - before[case]) / frames).tolist()
+        work = dict(zip(("ray_nodes", "point_nodes", "rays"), counts, strict=True))
         rows.append({"case": case, **percentiles(times[str(case)]), **work})
     return rows
 
@@ -146,3 +136,29 @@ def growth_with_objects(
         for number in numbers
     }
     return growth(cases, frames, turn)
+
+
+def memory(catalog: Catalog, frames: int) -> dict[str, Any]:
+    """Return how much the process grows in the second half of a long run [MB]."""
+    estimator = Estimator(catalog, PAPER)
+    base = scenes.frames(360)
+    length = base[-1].t + 1.0 / scenes.RATE
+    sizes = []
+    for number in range(frames):
+        lap, k = divmod(number, len(base))
+        message = base[k]
+        estimator.update(Observation(message.t + lap * length, message.hands, message.objects))
+        if number in (frames // 2, frames - 1):
+            sizes.append(_resident())
+    return {"frames": frames, "growth_mb": sizes[-1] - sizes[0], "resident_mb": sizes[-1]}
+
+
+def _resident() -> float:
+    """Return the resident size of this process [MB]; its peak on systems without ``/proc``."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    except OSError:
+        import resource
+
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3

@@ -25,22 +25,15 @@ def frames(
 ) -> list[Observation]:
     """Return messages at 30 Hz in which every hand and object is measured.
 
-    Parameters
-    ----------
-    count : int
-        Number of messages.
-    objects, hands : int
-        Numbers of objects and hands. The table grows with the number of objects, so that they stay
-        as dense as on the table of the paper.
-    models : sequence of str
-        Models of the objects, by turns.
-    seed : int
-        Seed of orientations and noise.
+    The table grows with the number of objects, so that they stay as dense as on the table of the
+    paper; they have these models by turns.
     """
     random = np.random.default_rng(seed)
     # the first four places never move: the hands reach for two of them, whatever stands around
-    cells = sorted(product(range(-6, 8), range(-1, 13)), key=_ring)[:objects]
-    places = [np.array([0.25 * (i - 0.5), 0.35 + 0.25 * j, 0.0]) for i, j in cells]
+    rings = sorted(
+        (max(abs(2 * i - 1), abs(2 * j - 1)), j, i) for i, j in product(range(-6, 8), range(-1, 13))
+    )
+    places = [np.array([0.25 * (i - 0.5), 0.35 + 0.25 * j, 0.0]) for _, j, i in rings[:objects]]
     turns = random.uniform(-math.pi, math.pi, objects)
     starts = [np.array([0.3 * (h - 0.5 * (hands - 1)), 0.0, 0.05]) for h in range(hands)]
     goals = [places[h % min(objects, 2)] + [0.0, 0.0, 0.1] for h in range(hands)]
@@ -68,9 +61,3 @@ def frames(
             )
         )
     return messages
-
-
-def _ring(cell: tuple[int, int]) -> tuple[int, int, int]:
-    """Return the sort key of a cell of the table: its distance from the four in the middle."""
-    i, j = cell
-    return max(abs(2 * i - 1), abs(2 * j - 1)), j, i

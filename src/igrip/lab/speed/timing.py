@@ -15,24 +15,17 @@ Work = Callable[[int], object]
 def interleaved(
     contestants: Mapping[str, Work], frames: Sequence[int], turn: int = 1, period: float = 0.0
 ) -> dict[str, NDArray[np.float64]]:
-    """Time each contestant on each frame, by turns.
+    """Time each contestant on each frame, by turns; return the seconds of each call, (n,).
 
     Parameters
     ----------
     contestants : mapping of str to function
         Each is called with the number of a frame.
-    frames : sequence of int
-        The frames, in order.
     turn : int
         Frames that one contestant does in a row. With 1 each finds the processor's caches full of
         what the others left; with more, its own ("hot").
     period : float
         Seconds from the start of one round of turns to the next; the rest is slept. 0: no pause.
-
-    Returns
-    -------
-    dict of str to (n,) float64
-        Seconds of each call.
     """
     times: dict[str, list[float]] = {name: [] for name in contestants}
     clock = time.perf_counter
