@@ -1,4 +1,4 @@
-"""Real hands that work and reach for none of the objects: examples of *none*.
+"""Real hands that work and reach for none of the objects.
 
 The recordings hold palms only, so objects are put where the hand never goes.
 """
@@ -24,18 +24,13 @@ MIN_SECONDS = 2.0
 MAX_GAP = 0.2  # s; after a longer one another example begins
 CLEARANCE, APART = 0.13, 0.1  # m from the palm's path, from each other
 COUNTS = (2, 3, 4, 4, 6)
-LEARNED_FROM = 2  # every second recording session; the others judge
 
 
-def hands_at_work(folder: Path, seed: int, learned: bool) -> Iterator[Recording]:
-    """Yield examples from the sessions that are learned from, or from the others."""
+def hands_at_work(folder: Path, seed: int) -> Iterator[Recording]:
+    """Yield stretches of all recordings, with objects beside them."""
     trials = pd.read_parquet(folder / "trials.parquet")
     samples = dict(list(pd.read_parquet(folder / "reaches.parquet").groupby("trial")))
-    sessions = sorted(set(trials["participant"]))
-    chosen = {s for k, s in enumerate(sessions) if (k % LEARNED_FROM == 0) == learned}
     for row in trials.to_dict("records"):
-        if row["participant"] not in chosen:
-            continue
         seen = samples[row["trial"]]
         seen = seen[seen["valid"].astype(bool)]
         times, palms = seen["t"].to_numpy(), seen[["x", "y", "z"]].to_numpy()

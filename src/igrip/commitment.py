@@ -45,7 +45,7 @@ class CommitmentConfig(Settings):
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
     reliability: float = quantity(
-        0.45, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
+        0.6, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
     )  # fmt: skip
     min_threshold: float = quantity(
@@ -90,21 +90,24 @@ class CommitmentConfig(Settings):
         gt=0,
     )  # fmt: skip
 
-    def threshold(self, familiarity: float | None = None) -> float:
-        """Return the confidence from which a target is committed to.
+    @property
+    def threshold(self) -> float:
+        """Confidence from which a target is committed to, in a familiar movement."""
+        return self.min_threshold + self.reliability * (self.max_threshold - self.min_threshold)
+
+    def threshold_in(self, familiarity: float | None) -> float:
+        """Return the confidence from which a target is committed to in a movement.
 
         Parameters
         ----------
         familiarity : float or None
-            Of the movement, from 0 to 1; None: not known, or of no meaning for the estimator.
+            Of the movement, from 0 to 1; None: not known.
         """
-        threshold = self.min_threshold + self.reliability * (
-            self.max_threshold - self.min_threshold
-        )
         if familiarity is None:
-            return threshold
+            return self.threshold
         strangeness = 1.0 - min(1.0, familiarity / self.full_familiarity)
-        return max(threshold, min(threshold + self.strange_margin * strangeness, MAX_RAISED))
+        raised = min(self.threshold + self.strange_margin * strangeness, MAX_RAISED)
+        return max(self.threshold, raised)
 
     @property
     def dwell(self) -> float:
@@ -230,7 +233,7 @@ class Committer:
             evidence.moving and not self._vetoed and not full
             and target is not None and evidence.grip is not None
             and target in evidence.trusted_objects
-            and evidence.confidence.get(target, 0.0) >= config.threshold(evidence.familiarity)
+            and evidence.confidence.get(target, 0.0) >= config.threshold_in(evidence.familiarity)
         )  # fmt: skip
         if not likely:
             self._open()
@@ -256,7 +259,7 @@ class Committer:
                 else:
                     self._open()
             elif self.target in evidence.trusted_objects:  # a hidden target cannot be judged
-                lowest = config.threshold(evidence.familiarity) - config.hysteresis
+                lowest = config.threshold_in(evidence.familiarity) - config.hysteresis
                 if evidence.confidence.get(self.target, 0.0) < lowest:
                     self._open()
         elif self._has_left(evidence, distance):
