@@ -1,4 +1,4 @@
-"""Twenty lines: a hand moves to one of two objects, and igrip says which."""
+"""A hand moves to one of two objects, and igrip estimates which."""
 
 import igrip
 

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import math
 import pickle
+from pathlib import Path
 
 import pytest
 from pydantic import BaseModel, ValidationError
 
 from igrip import Config
+from igrip.settings import RENAMED, Settings
 
 
-def numbers(model: type[BaseModel], path=""):
+def numbers(settings: BaseModel, path=""):
     """Yield path, field and default of every number in a configuration."""
-    for name, field in model.model_fields.items():
-        default = field.get_default(call_default_factory=True)
+    for name, field in type(settings).model_fields.items():
+        default = getattr(settings, name)
         if isinstance(default, BaseModel):
-            yield from numbers(type(default), f"{path}{name}.")
+            yield from numbers(default, f"{path}{name}.")
         elif isinstance(default, int | float) and not isinstance(default, bool):
             yield f"{path}{name}", field, default
 
 
-NUMBERS = list(numbers(Config))
+NUMBERS = list(numbers(Config()))
 
 
 @pytest.mark.parametrize(("path", "field", "default"), NUMBERS, ids=[row[0] for row in NUMBERS])
@@ -30,9 +32,66 @@ def test_every_number_has_unit_meaning_source_and_bounds(path, field, default):
     assert field.json_schema_extra["source"], f"{path} does not say where {default} comes from"
     assert field.description.endswith(f"[{field.json_schema_extra['unit']}]")
     assert field.metadata, f"{path} has no bounds"
-    for value in (float("nan"), float("inf"), -1e9, "much", None):
+    for value in (float("nan"), float("inf"), -1e9, -1e-9, "much", None):
         with pytest.raises(ValidationError):
             nested(path, value)
+
+
+@pytest.mark.parametrize(("path", "field", "default"), NUMBERS, ids=[row[0] for row in NUMBERS])
+def test_a_default_lies_within_its_own_bounds(path, field, default):
+    """pydantic does not check it."""
+    nested(path, default)
+
+
+LIMITS = [
+    ("motion.window", 3, 1000, 2, 1001),
+    ("motion.future_points", 1, 100, 0, 101),
+    ("motion.reach.rest_speed_fraction", 0.0, 0.999, None, 1.0),
+    ("rays.rays_per_cone", 1, 1000, 0, 1001),
+    ("rays.slow_angle", 1e-6, 1.499, 0.0, 1.5),
+    ("rays.fast_angle", 1e-6, 1.499, 0.0, 1.5),
+    ("commitment.reliability", 0.0, 1.0, None, 1.001),
+    ("commitment.min_threshold", 1e-6, 0.999, 0.0, 1.0),
+    ("commitment.max_threshold", 1e-6, 1.0, 0.0, 1.001),
+    ("commitment.hysteresis", 0.0, 0.999, None, 1.0),
+    ("tracking.max_hands", 1, 10_000, 0, None),
+    ("tracking.max_objects", 1, 10_000, 0, None),
+]
+
+
+@pytest.mark.parametrize(("path", "lowest", "highest", "below", "above"), LIMITS)
+def test_limits_of_counts_angles_and_parts(path, lowest, highest, below, above):
+    for value in (lowest, highest):
+        nested(path, value)
+    for value in (below, above):
+        if value is not None:
+            with pytest.raises(ValidationError):
+                nested(path, value)
+
+
+POSITIVE = {path for path, field, _ in NUMBERS if any(hasattr(m, "gt") for m in field.metadata)}
+
+
+@pytest.mark.parametrize(("path", "field", "default"), NUMBERS, ids=[row[0] for row in NUMBERS])
+def test_small_numbers_are_allowed_and_zero_unless_it_would_divide(path, field, default):
+    if isinstance(default, int) or path == "rays.fast_speed":  # not below slow_speed
+        return
+    nested(path, 1e-6)
+    if path in POSITIVE:
+        with pytest.raises(ValidationError):
+            nested(path, 0.0)
+    else:
+        nested(path, 0.0)
+
+
+def test_the_documentation_has_every_number_and_its_default():
+    """docs/configuration.md is made by docs/make_configuration.py."""
+    lines = (Path(__file__).parents[1] / "docs" / "configuration.md").read_text().splitlines()
+    rows = [
+        [cell.strip() for cell in line.split(" | ")] for line in lines if line.startswith("| `")
+    ]
+    documented = {row[0].strip("|` "): float(row[1]) for row in rows}
+    assert documented == {path: pytest.approx(default, rel=1e-4) for path, _, default in NUMBERS}
 
 
 def nested(path, value):
@@ -89,3 +148,29 @@ def test_the_ends_of_the_cone_must_be_in_order(slow, fast):
     """With equal speeds the interpolation of the angle would divide zero by zero."""
     with pytest.raises(ValidationError):
         Config(rays={"slow_speed": slow, "fast_speed": fast})
+
+
+@pytest.mark.parametrize("cls", RENAMED)
+def test_an_old_key_raises_an_error_that_names_the_new_one(cls):
+    [settings] = [c for c in every_settings(Config) if c.__name__ == cls]
+    for old, new in RENAMED[cls].items():
+        assert new in settings.model_fields
+        with pytest.raises(ValidationError, match=f"{old} was renamed to {new}"):
+            settings(**{old: 1})
+
+
+def every_settings(cls):
+    """Return a configuration and all within it."""
+    inner = [field.annotation for field in cls.model_fields.values()]
+    nested = [c for c in inner if isinstance(c, type) and issubclass(c, Settings)]
+    return {cls} | {below for c in nested for below in every_settings(c)}
+
+
+def test_an_old_key_deep_inside_is_named_with_its_place():
+    with pytest.raises(ValidationError, match="health was renamed to gating"):
+        Config(health={"hand_limit": 0.5})
+    with pytest.raises(ValidationError) as caught:
+        Config(motion={"reach": {"calm": 0.2}})
+    [error] = caught.value.errors()
+    assert error["loc"] == ("motion", "reach")
+    assert "calm was renamed to end_time_constant" in error["msg"]

@@ -1,4 +1,4 @@
-"""Compare likelihoods on people and simulations that none of them has seen.
+"""Compare likelihoods on people and simulations that none of them was trained on.
 
 ``python -m training.compare REACHES [PERSONS]`` prints for each candidate the accuracy of moments:
 the newest one at 40 and 60 % of the movement, without any memory. Real people: the validation fold
@@ -69,7 +69,7 @@ def accuracy(moments: Moments, scores: Array, part: float) -> float:
 def endpoint(moments: Moments) -> Array:
     """Return scores of a minimum jerk alone: how far it would still go, against what remains.
 
-    With distance d, speed v and time t since onset, ``v t / d`` tells the phase of a minimum jerk
+    With distance d, speed v and time t since onset, ``v t / d`` gives the phase of a minimum jerk
     (Flash & Hogan 1985), and the phase the whole length; an object at that distance is likelier.
     """
     phase = np.linspace(0.05, 1.0, 96)

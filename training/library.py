@@ -43,7 +43,7 @@ class Demonstration:
 
 
 def demonstrated(recording: Recording, frames: Frames) -> Demonstration | None:
-    """Return a reach in its own frame; None where it was not seen from its beginning."""
+    """Return a reach in its own frame; None if its beginning was not observed."""
     reaches = ReachFrames()
     elapsed: list[float] = []
     place: list[Array] = []

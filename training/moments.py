@@ -31,7 +31,7 @@ MESHES = (
     "025_mug", "036_wood_block", "056_tennis_ball", "065-a_cups", "077_rubiks_cube",
 )  # fmt: skip
 THINGS = SHAPES + MESHES
-ABSENT = 0.2  # weight of reaches for what is never seen: rarer in life than in training (guess)
+ABSENT = 0.2  # weight of reaches for undetected objects: rarer in life than in training (guess)
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Recording:
     grip : str or None
         With which it is grasped.
     absent : bool
-        Whether the target is never seen.
+        Whether the target is never detected.
     """
 
     person: str
@@ -74,12 +74,12 @@ class Recording:
     absent: bool = False
 
     def with_absent_target(self) -> Recording:
-        """Return the same with a target that is never seen: a reach for none of what is there."""
+        """Return the same without the target's poses: a reach for none of the objects."""
         less = self.without([str(self.target)])
         return replace(less, absent=True, weight=ABSENT * self.weight)
 
     def without(self, ids: Sequence[str]) -> Recording:
-        """Return the same with some objects never seen."""
+        """Return the same without the poses of some objects."""
         messages = [
             Observation(
                 t=m.t, hands=dict(m.hands),

@@ -47,9 +47,9 @@ def real_recordings(
 
 
 def record(reach: RecordedReach, seed: int) -> Recording:
-    """Return one reach as a sensor of some rate and noise would tell it, with some object's mesh.
+    """Return one reach as a sensor of some rate and noise would record it, with some object's mesh.
 
-    In one of eight the target is never seen: what is done then is a reach for none of what is.
+    In one of eight the target is never detected: the reach is then for none of the objects.
     """
     random = np.random.default_rng(seed)
     rate = float(random.choice([15.0, 20.0, 30.0, 30.0, 30.0, 60.0, 120.0]))
@@ -58,13 +58,13 @@ def record(reach: RecordedReach, seed: int) -> Recording:
         mesh=THINGS[int(random.integers(len(THINGS)))], rate=rate, rest=rest,
         noise=float(random.choice(NOISES)), seed=seed,
     )  # fmt: skip
-    told = Recording(
+    recording = Recording(
         person=reach.participant, kind="near" if reach.extra["distance"] == "near" else "far",
         messages=resample(reach, catalog(), options), hand=reach.hand, target=reach.target,
         onset=rest - 1e-9, end=rest + float(reach.times[-1]), back=math.inf, rate=rate,
     )  # fmt: skip
     absent = random.random() < 0.125
-    return told.with_absent_target() if absent else told
+    return recording.with_absent_target() if absent else recording
 
 
 def main() -> None:

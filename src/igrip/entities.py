@@ -1,4 +1,4 @@
-"""What was seen of one hand or one object in one message."""
+"""Measurements of one hand or one object in one message."""
 
 from __future__ import annotations
 
@@ -174,5 +174,5 @@ def text(value: Any, path: str) -> str:
 
 
 def kind_of(value: Any) -> str:
-    """Return what a value is, in the words of JSON or Python."""
+    """Return the name of a value's type, as JSON or Python call it."""
     return "null" if value is None else type(value).__name__

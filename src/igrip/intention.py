@@ -1,4 +1,4 @@
-"""What igrip says of one hand: its status, target, grip, confidence and time to contact."""
+"""The result for one hand: its status, target, grip, confidence and time to contact."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     status : str
         ``warming_up``, ``idle``, ``reaching``, ``holding``, ``lost`` or ``invalid``.
     reason : str or None
-        Why there is no answer, or what is wrong with an input, in words.
+        Why there is no estimate, or what is wrong with an input, as text.
     target, target_model : str or None
         Id of the object the hand is going for, and its model. None: no decision. Where there are
         probabilities, it is the likeliest object, even if ``none`` is somewhat likelier still.

@@ -1,4 +1,4 @@
-"""What was seen: the message that every source yields and that the estimator reads."""
+"""Observations: the messages that every source yields and that the estimator reads."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ _EMPTY: Mapping[str, Any] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True, init=False)
 class Observation:
-    """One message: what was seen of hands and objects, and when it arrived. Immutable.
+    """One message: measurements of hands and objects, and when it arrived. Immutable.
 
-    A message without hands and objects is a *tick*: it says that time has passed.
+    A message without hands and objects is a *tick*: time has passed.
     ``Observation(**json.loads(line))`` is valid; unknown fields are kept out and counted.
 
     Parameters
@@ -47,7 +47,7 @@ class Observation:
     t : float
         Arrival on one monotonic clock [s], not negative.
     hands : mapping of str to Hand, dict or None
-        By id. None: looked for and not seen. An absent id: no news.
+        By id. None: looked for and not detected. An absent id: no news.
     objects : mapping of str to ObjectPose, dict or None
         By id; the id ``none`` is reserved.
     schema : str

@@ -27,6 +27,26 @@ def test_impacts(hits):
     assert ours.sum() == pytest.approx(1.0 if sum(hits) else 0.0)
 
 
+@pytest.mark.parametrize("hits", [[1], [0, 1, 0], [0, 0]])
+def test_a_single_ray_is_all_of_the_rays(hits):
+    assert score("impacts", geometry(len(hits), hits=np.array(hits))).tolist() == hits
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(
+    ("part", "expected"),
+    [(1.0 + 1e-12, 1.0), (1.0, 1.0), (1.0 - 1e-12, 1.0 - 1e-12), (1.0 + 1e-6, 1.0 + 1e-6)],
+)
+def test_rounding_beyond_one_is_cut_off_and_a_moving_object_is_not(sign, part, expected):
+    ours = score("distance_derivative", geometry(1, centre_rate=[-sign * part]), motion(1.0))
+    assert ours.tolist() == [sign * expected]
+
+
+def test_distance_derivative_begins_at_the_minimal_speed():
+    frame = geometry(2, centre_rate=[-0.25, 0.25])
+    assert score("distance_derivative", frame, motion(0.5), min_speed=0.5).tolist() == [0.5, -0.5]
+
+
 @given(LENGTHS, st.floats(0.03, 3.0))
 def test_distance_derivative(rates, speed):
     rates = np.array(rates) - 1.5

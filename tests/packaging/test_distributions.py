@@ -1,5 +1,6 @@
 """The wheel and the source distribution: built, checked, installed."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -101,17 +102,16 @@ def test_the_metadata_is_true(built: Distributions) -> None:
 
 
 def outside(folder: Path) -> dict[str, Any]:
-    """Return the options of :func:`run` to run in a folder, with nothing of this environment."""
-    cache = str(folder / "cache")
-    environment = {"PATH": "/usr/bin:/bin", "NO_COLOR": "1", "IGRIP_CACHE_DIR": cache}
-    return {"cwd": folder, "env": environment}
+    """Return the options of :func:`run` to run in a folder, away from the sources."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return {"cwd": folder, "env": {**environment, "IGRIP_CACHE_DIR": str(folder / "cache")}}
 
 
 def install(wheel: Path, folder: Path, *options: str) -> Path:
     """Install the wheel into a fresh environment; return its folder of commands."""
     venv.create(folder, with_pip=False)
-    python = folder / "bin" / "python"
-    run(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", *options, wheel)
+    pip = (sys.executable, "-m", "pip", "--python", folder / "bin" / "python")
+    run(*pip, "install", "--quiet", *options, wheel, **outside(folder.parent))
     return folder / "bin"
 
 
@@ -121,7 +121,8 @@ def test_the_installed_wheel_runs(built: Distributions, tmp_path: Path) -> None:
     (site,) = (tmp_path / "venv" / "lib").glob("python3.*/site-packages")
     borrowed = next(path for path in sys.path if path.endswith("site-packages"))
     (site / "borrowed.pth").write_text(borrowed)
-    where = run(commands / "python", "-c", "import igrip; print(igrip.__file__)", cwd=tmp_path)
+    code = "import igrip; print(igrip.__file__)"
+    where = run(commands / "python", "-c", code, **outside(tmp_path))
     assert Path(where.strip()).is_relative_to(site)
     assert run(commands / "igrip", "--version", **outside(tmp_path)) == f"igrip {__version__}\n"
     assert '"igrip/1"' in run(commands / "igrip", "schema", "observation", **outside(tmp_path))
@@ -145,5 +146,5 @@ def test_the_source_distribution_passes_its_own_tests(built: Distributions, tmp_
     (folder,) = tmp_path.iterdir()
     tests = ("tests/cues", "tests/golden", "tests/benchmarks/test_tree.py", "tests/packaging")
     options = outside(folder)
-    options["env"]["PYTHONPATH"] = "src"
+    options["env"]["PYTHONPATH"] = str(folder / "src")
     run(sys.executable, "-m", "pytest", "-q", *tests, **options)

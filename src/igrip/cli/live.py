@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 from urllib.parse import parse_qsl
@@ -184,27 +183,12 @@ def _run(
     loop: Loop, pipeline: Pipeline, viewer: Viewer | None, seconds: float | None,
     problems: ProblemPrinter, quiet: bool,
 ) -> None:  # fmt: skip
-    with ExitStack() as stack:
-        screen = panel = None
-        stack.enter_context(loop)
-        if errors.is_terminal and not quiet:
-            screen = Live(console=errors, refresh_per_second=4, transient=True)
-            stack.enter_context(screen)
-        if viewer is not None:
-            panel = CameraPanel(viewer.server)
-            stack.callback(panel.close)
-        loop.run(_presenter(loop, pipeline, viewer, panel, screen, seconds, problems))
+    """Run the loop; show its results after each update, without blocking it."""
+    panel = None if viewer is None else CameraPanel(viewer.server)
+    screen = Live(console=errors, refresh_per_second=4, transient=True)
+    begin = due = time.monotonic()
 
-
-def _presenter(
-    loop: Loop, pipeline: Pipeline, viewer: Viewer | None, panel: CameraPanel | None,
-    screen: Live | None, seconds: float | None, problems: ProblemPrinter,
-) -> Callable[[list[Intention]], None]:  # fmt: skip
-    """Return what is done after each update; none of it blocks."""
-    begin = time.monotonic()
-    due = begin
-
-    def present(intentions: list[Intention]) -> None:
+    def show(intentions: list[Intention]) -> None:
         nonlocal due
         now = time.monotonic()
         if seconds is not None and now - begin >= seconds:
@@ -221,12 +205,16 @@ def _presenter(
             due = now + SCREEN_INTERVAL
             problems.print_new()
             stages = pipeline.report()
-            if screen is not None:
-                screen.update(table_of(estimator.t, stages, newest))
+            screen.update(table_of(estimator.t, stages, newest))
             if panel is not None:
                 panel.set_table(markdown_of(stages))
 
-    return present
+    try:
+        with screen if errors.is_terminal and not quiet else nullcontext(), loop:
+            loop.run(show)
+    finally:
+        if panel is not None:
+            panel.close()
 
 
 def _summary(report: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Where meshes come from: the YCB set, a folder of files, or a primitive written as text."""
+"""Sources of meshes: the YCB set, a folder of files, or a primitive written as text."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from igrip.errors import MeshUnitError, ObjectsError
 from igrip.settings import Settings
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-LARGEST, SMALLEST = 3.0, 0.002  # extent of a thing a hand can grasp, beyond any doubt [m]
+MIN_EXTENT, MAX_EXTENT = 0.002, 3.0  # m; far beyond any object that a hand can grasp
 TABLE = "objects.toml"
 MESHES = frozenset({"3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl"})
 _PRIMITIVE = re.compile(r"(box|cylinder):([0-9.eE+-]+(?:x[0-9.eE+-]+)*)")
 
 
 class MeshOptions(Settings):
-    """What ``objects.toml`` may say of one mesh; the table ``defaults`` says it for all.
+    """Options of one mesh in ``objects.toml``; the table ``defaults`` holds for all.
 
     Attributes
     ----------
@@ -53,14 +53,14 @@ class MeshOptions(Settings):
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh in a file, with what is said about it."""
+    """A mesh in a file, with its options."""
 
     name: str
     path: Path
     options: MeshOptions
 
     def digest(self) -> str:
-        """Return a hash of the file and of what is said about it."""
+        """Return a hash of the file and of its options."""
         digest = hashlib.sha256(self.options.model_dump_json().encode())
         digest.update(self.path.read_bytes())
         if self.path.suffix.lower() == ".gltf":  # its numbers are in files beside it
@@ -91,17 +91,17 @@ class MeshFile:
         elif mesh.units is not None:
             mesh.convert_units("meters")
         extent = float(np.max(mesh.extents))
-        if not SMALLEST <= extent <= LARGEST:
+        if not MIN_EXTENT <= extent <= MAX_EXTENT:
             raise MeshUnitError(self._unit_problem(extent))
         if self.options.frame == "box":
             mesh.apply_translation(-mesh.bounds.mean(axis=0))
         return mesh
 
     def _unit_problem(self, extent: float) -> str:
-        said = self.options.unit or "m"
-        guess = "mm" if extent > LARGEST else "m"
+        unit = self.options.unit or "m"
+        guess = "mm" if extent > MAX_EXTENT else "m"
         return (
-            f"{self.path}: is {extent:.4g} m long if its unit is {said!r}, which is not a thing a "
+            f"{self.path}: is {extent:.4g} m long if its unit is {unit!r}, which is not a thing a "
             f"hand can grasp. Declare its unit in {self.path.parent / TABLE}:\n"
             f'[{self.name}]\nunit = "{guess}"'
         )
@@ -121,7 +121,7 @@ class Primitive:
 
     @property
     def options(self) -> MeshOptions:
-        """What is known of the shape by construction."""
+        """Options that the shape has by construction."""
         if self.kind == "cylinder":
             return MeshOptions(symmetry="cylinder", axis=(0.0, 0.0, 1.0))
         return MeshOptions(symmetry="box")
@@ -152,10 +152,12 @@ def parse_primitive(text: str) -> Primitive | None:
         size = tuple(float(value) for value in match[2].split("x"))
     except ValueError:
         size = ()
-    if len(size) != expected or not all(0.5 * SMALLEST <= value <= LARGEST for value in size):
+    if len(size) != expected or not all(0.5 * MIN_EXTENT <= value <= MAX_EXTENT for value in size):
         form = "box:DXxDYxDZ" if kind == "box" else "cylinder:RADIUSxHEIGHT"
-        least = 0.5 * SMALLEST
-        raise ObjectsError(f"{text!r}: expected {form} in metres, from {least:g} to {LARGEST:g}")
+        smallest = 0.5 * MIN_EXTENT
+        raise ObjectsError(
+            f"{text!r}: expected {form} in metres, from {smallest:g} to {MAX_EXTENT:g}"
+        )
     return Primitive(text, kind, size)
 
 
