@@ -112,7 +112,7 @@ def simulate_cohort(
     trials: int | None = None,
     no_reach_minutes: int = 30,
 ) -> Iterator[tuple[int, int]]:
-    """Write a cohort to a new folder as a dataset; yield how many recordings are done, and of how many.
+    """Write a cohort to a new folder; yield how many recordings are done, and of how many.
 
     The catalog must hold the paper's objects. Only the first so many ``trials`` of each participant
     are done; each of the minutes without a reach is one recording.
