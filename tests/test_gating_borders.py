@@ -1,4 +1,4 @@
-"""The gate exactly at its limits, with numbers that binary floats hold exactly; pairs of entities."""
+"""Borders of the gate: values at which a verdict changes (found by mutants that survived)."""
 
 from __future__ import annotations
 

@@ -112,18 +112,10 @@ def simulate_cohort(
     trials: int | None = None,
     no_reach_minutes: int = 30,
 ) -> Iterator[tuple[int, int]]:
-    """Write a cohort as a dataset; yield how many recordings are done, and of how many.
+    """Write a cohort to a new folder; yield how many recordings are done, and of how many.
 
-    Parameters
-    ----------
-    path : str or Path
-        A new folder.
-    catalog : Catalog
-        Must hold the paper's objects.
-    trials : int, optional
-        Only the first so many trials of each participant.
-    no_reach_minutes : int
-        Minutes without a reach, one recording each.
+    The catalog must hold the paper's objects. Only the first so many ``trials`` of each participant
+    are done; each of the minutes without a reach is one recording.
 
     Raises
     ------

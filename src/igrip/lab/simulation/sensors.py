@@ -150,16 +150,8 @@ def observe_scene(
 ) -> list[Observation]:
     """Return the messages of a camera that observes a scene.
 
-    Parameters
-    ----------
-    times : (n,)
-        Of the frames [s].
-    palms : mapping of str to (n, 3)
-        Where each palm truly is [m].
-    camera_at : (3,)
-        Where the camera stands [m].
-    moving : mapping of str to function, optional
-        Poses of objects that do not rest.
+    ``times`` (n,) are those of the frames [s], ``palms`` where each truly is, (n, 3) [m],
+    ``camera_at`` where the camera stands, (3,) [m]; ``moving`` are objects that do not rest.
     """
     step = float(times[1] - times[0])
     measured, lost = {}, {}
