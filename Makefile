@@ -81,6 +81,7 @@ golden: $(READY)  ## rewrite the golden vectors, from the oracle alone
 
 train: $(READY)  ## train the estimators (REACHES=folder with the tables of near/far reaches; 6 min)
 	$(BIN)/python -m training $(REACHES)
+	$(BIN)/python -m training.movements $(REACHES)
 
 estimators: $(READY)  ## write the tables of all estimators on all sets (REACHES=folder; half an hour)
 	$(BIN)/python docs/make_estimators.py $(REACHES)
