@@ -164,7 +164,7 @@ def test_processes_are_spawned_and_get_trials_in_chunks(small_dataset, catalog, 
         made.clear()
         trials = list(range(count))
         assert list(run_trials(small_dataset, catalog, CONFIGS, int, trials, **jobs)) == trials
-        return made
+        return list(made)
 
     assert run(3) == run(3, jobs=1) == run(3, jobs=0) == []
     assert run(3, jobs=2) == [(2, "spawn"), 1, "closed"]
