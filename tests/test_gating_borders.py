@@ -1,4 +1,4 @@
-"""The gate exactly at its limits, with numbers that binary floats hold exactly; pairs of entities."""
+"""The gate exactly at its limits, with numbers that binary floats hold exactly; and pairs."""
 
 from __future__ import annotations
 
