@@ -13,13 +13,13 @@ from pydantic import BaseModel
 
 from igrip import Config
 
-HEAD = """# Every number of a configuration
-
-`Config(motion={"reach": {"onset_distance": 0.01}})` changes one. A misspelt key is an error, and the error for a key of an earlier version names the new one. This page is made by `docs/make_configuration.py`.
-
-| key | default | unit | meaning | source |
-| --- | --- | --- | --- | --- |
-"""
+HEAD = (
+    "# Every number of a configuration\n\n"
+    '`Config(motion={"reach": {"onset_distance": 0.01}})` changes one. A misspelt key is an error, '
+    "and the error for a key of an earlier version names the new one. This page is made by "
+    "`docs/make_configuration.py`.\n\n"
+    "| key | default | unit | meaning | source |\n| --- | --- | --- | --- | --- |\n"
+)
 
 
 def rows(settings: BaseModel, path: str = "") -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Borders of the gate: values at which a verdict changes (found by mutants that survived)."""
+"""The gate exactly at its limits, with numbers that binary floats hold exactly; and pairs."""
 
 from __future__ import annotations
 

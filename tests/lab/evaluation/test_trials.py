@@ -132,3 +132,4 @@ def test_only_the_trial_counts():
     assert assess("xxxxxx....", end=0.6).problem is None
     assert assess("...xxx....", begin=0.3, end=0.6).found == pytest.approx(0.3)
     assert assess("xxxxx...xxx", begin=0.6).problem == "found too late"  # 0.2 s of 0.4 s remain
+    assert assess("xxxxx...xxxxx", begin=0.6).problem is None  # 0.4 s of 0.6 s
