@@ -6,11 +6,12 @@ READY := .venv/.ready
 
 REACHES ?= ../shared/data/wispinski2021
 
-.PHONY: train estimators pictures report golden help demo test test-slow lint types contract unit schemas system clean
+.PHONY: help demo test test-slow test-busy coverage lint types contract unit hooks dist lines \
+	schemas system clean bench pictures report golden train estimators
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
-demo: $(READY)  ## watch igrip decide what a simulated person reaches for
+demo: $(READY)  ## watch igrip predict what a simulated person reaches for
 	$(BIN)/igrip demo
 
 test: lint types contract unit  ## lint, types, import contract and every test
@@ -18,10 +19,16 @@ test: lint types contract unit  ## lint, types, import contract and every test
 test-slow: $(READY)  ## the long suites
 	$(BIN)/python -m pytest -m slow
 
+test-busy: $(READY)  ## every test, while two busy processes compete with it
+	$(BIN)/python tests/busy.py $(BIN)/python -m pytest
+
+coverage: $(READY)  ## every test, and which lines none of them runs
+	$(BIN)/python -m pytest --cov --cov-report=term
+
 lint: $(READY)  ## style and spelling
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/codespell src tests training docs examples *.md
+	$(BIN)/codespell src tests training benchmarks docs examples *.md
 
 types: $(READY)  ## static types
 	$(BIN)/mypy
@@ -32,15 +39,26 @@ contract: $(READY)  ## the core imports nothing from the edges
 unit: $(READY)  ## every test that is not slow
 	$(BIN)/python -m pytest
 
+hooks: $(READY)  ## check every commit with the tools of .venv
+	$(BIN)/pre-commit install
+
+dist: $(READY)  ## build the wheel and the source distribution into dist/, and check them
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation
+	$(BIN)/python -m twine check --strict dist/*
+
+lines: $(READY)  ## files and lines per package
+	$(BIN)/python -m benchmarks.tree
+
 schemas: $(READY)  ## write the message schemas into docs/schemas
 	$(BIN)/igrip schema observation > docs/schemas/observation.json
 	$(BIN)/igrip schema intention > docs/schemas/intention.json
 
-system:  ## what the tests of browsers and of C want from Debian (as root)
+system:  ## install what the tests of browsers and of C need from Debian (as root)
 	apt-get update -qq
 	apt-get install -y -qq --no-install-recommends chromium gcc libc6-dev
 
-clean:  ## forget the environment
+clean:  ## remove the environment
 	rm -rf .venv
 
 $(READY): pyproject.toml constraints.txt requirements-test.txt
@@ -49,17 +67,21 @@ $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training,outputs,mcap,hands,poses]'
 	touch $@
 
-pictures: $(READY)  ## make the pictures of the documentation (after make system)
+bench: $(READY)  ## measure the speed beside other engines; the picture of docs/benchmarks.md
+	$(BIN)/python -m benchmarks --memory-frames 200000 --plot docs/pictures/bench.png
+
+pictures: $(READY)  ## draw the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py
 
-report: $(READY)  ## make the report of a small cohort in the documentation
+report: $(READY)  ## write the report of a small cohort in the documentation
 	$(BIN)/python docs/make_report.py
 
-golden: $(READY)  ## write the golden vectors anew, from the oracle alone
+golden: $(READY)  ## rewrite the golden vectors, from the oracle alone
 	$(BIN)/python tests/golden/make_golden.py
 
-train: $(READY)  ## train what is learned (REACHES=folder with the tables of near/far reaches; 6 min)
+train: $(READY)  ## train the estimators (REACHES=folder with the tables of near/far reaches; 6 min)
 	$(BIN)/python -m training $(REACHES)
+	$(BIN)/python -m training.movements $(REACHES)
 
-estimators: $(READY)  ## make the tables of all estimators on all sets (REACHES=folder; half an hour)
+estimators: $(READY)  ## write the tables of all estimators on all sets (REACHES=folder; half an hour)
 	$(BIN)/python docs/make_estimators.py $(REACHES)

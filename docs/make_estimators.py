@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from igrip.lab.evaluation.calibration import interval_over_groups
+from igrip.lab.evaluation.calibration import BINS, ReliabilityBins, interval_over_groups
 
 HERE = Path(__file__).parent
 OUT = HERE / "estimators-tables.md"
@@ -42,7 +42,7 @@ def evaluate(dataset: Path, out: Path, *options: object) -> tuple[dict[str, Any]
     return summary, pd.read_parquet(out / "trials.parquet")
 
 
-def bring_in(reaches: Path, data: Path, people: Path, *options: object) -> Path:
+def import_reaches(reaches: Path, data: Path, people: Path, *options: object) -> Path:
     """Import the reaches of some people, with the noise of a camera; return the dataset."""
     igrip(
         "import", reaches, "--out", data, "--noise", 0.004, "--participants", people, *options
@@ -50,8 +50,8 @@ def bring_in(reaches: Path, data: Path, people: Path, *options: object) -> Path:
     return data
 
 
-def asked(names: Sequence[str]) -> list[str]:
-    """Return the options that ask for some estimators."""
+def options_for(names: Sequence[str]) -> list[str]:
+    """Return the options that choose some estimators."""
     return [part for name in names for part in ("--targets", name)]
 
 
@@ -72,25 +72,25 @@ def make(reaches: Path, work: Path, quick: bool) -> Iterator[str]:
         yield "Made by `make estimators REACHES=…`."
     yield "95 % intervals over participants in brackets."
     for title, rest in (("as recorded", 0), ("after 1 s of rest", 1)):
-        data = bring_in(reaches, work / f"near-far-{rest}", kept, "--rest", rest, *few)
-        summary, trials = evaluate(data, work / f"near-far-{rest}-report", *asked(ORDER))
+        data = import_reaches(reaches, work / f"near-far-{rest}", kept, "--rest", rest, *few)
+        summary, trials = evaluate(data, work / f"near-far-{rest}-report", *options_for(ORDER))
         yield from near_far(f"Near/far reaches, people kept back, {title}", summary, trials)
-        ece[f"near/far, {title}"] = told(summary)
+        ece[f"near/far, {title}"] = calibration(summary)
     for rate in (15, 60, 120):
-        data = bring_in(reaches, work / f"near-far-{rate}-hz", kept, "--rate", rate, *few)
-        names = asked(("bayes", "paper"))
+        data = import_reaches(reaches, work / f"near-far-{rate}-hz", kept, "--rate", rate, *few)
+        names = options_for(("bayes", "paper"))
         summary, trials = evaluate(data, work / f"near-far-{rate}-hz-report", *names)
         yield from near_far(f"The same at {rate} Hz, as recorded", summary, trials)
     for profile, people in (("healthy", 11), ("stroke", 5), ("sci", 5)):
         data = work / profile
         size = ["--trials", 4, "--no-reach", 4] if quick else []
         igrip("simulate", data, "--profile", profile, "--participants", people, *size)
-        names = asked(ORDER if profile == "healthy" else ("bayes", "paper", "repaired"))
+        names = options_for(ORDER if profile == "healthy" else ("bayes", "paper", "repaired"))
         summary, trials = evaluate(data, work / f"{profile}-report", *names)
         yield from cohort(f"Simulated cohort, {profile}", summary, trials)
-        ece[f"cohort, {profile}"] = told(summary)
+        ece[f"cohort, {profile}"] = calibration(summary)
         if profile == "healthy":
-            names = [*asked(["bayes"]), "--grips", "cylinder"]
+            names = [*options_for(["bayes"]), "--grips", "cylinder"]
             _, paper = evaluate(data, work / "cylinder-report", *names)
             yield from grips(trials[trials["targets"] == "bayes"], paper)
     yield "\n## Calibration of `bayes`\n"
@@ -100,30 +100,27 @@ def make(reaches: Path, work: Path, quick: bool) -> Iterator[str]:
     yield f"| pooled | {pooled(work):.3f} | {sum(n for _, n in ece.values())} |"
 
 
-def told(summary: dict[str, Any]) -> tuple[float, int]:
+def calibration(summary: dict[str, Any]) -> tuple[float, int]:
     """Return the calibration error of bayes, and over how many answers."""
-    calibration = summary["targets"]["bayes"]["calibration"]
-    return calibration["ece"], calibration["answers"]
+    result = summary["targets"]["bayes"]["calibration"]
+    return result["ece"], result["answers"]
 
 
 def pooled(work: Path) -> float:
     """Return the calibration error over the answers of all sets together."""
-    total: dict[int, np.ndarray] = {}
+    sums = np.zeros((3, BINS))
     for name in ("near-far-0", "near-far-1", "healthy", "stroke", "sci"):
         path = work / f"{name}-report" / "summary.json"
         summary = json.loads(path.read_text(encoding="utf-8"))
         for bin in summary["targets"]["bayes"]["calibration"]["bins"]:
-            sums = np.array([bin["stated"], bin["right"], 1.0]) * bin["answers"]
-            total[int(min(bin["stated"], 0.999) * 10)] = (
-                total.get(int(min(bin["stated"], 0.999) * 10), 0) + sums
-            )
-    return float(sum(abs(s - r) for s, r, _ in total.values()) / sum(n for *_, n in total.values()))
+            k = min(int(bin["stated"] * BINS), BINS - 1)
+            sums[:, k] += np.array([1.0, bin["stated"], bin["right"]]) * bin["answers"]
+    return ReliabilityBins(*sums).calibration_error()
 
 
 def percent(values: pd.Series, rows: pd.DataFrame) -> str:
     """Return a mean with its interval over participants."""
-    groups = rows["participant"].astype("category").cat.codes.to_numpy().astype(np.int64)
-    low, high = interval_over_groups(values.to_numpy(float), groups)
+    low, high = interval_over_groups(values, rows["participant"])
     return f"{100 * values.mean():.1f} [{100 * low:.0f}–{100 * high:.0f}]"
 
 
@@ -133,7 +130,7 @@ def early(rows: pd.DataFrame) -> pd.Series:
 
 
 def named(trials: pd.DataFrame, names: Sequence[str]) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield the reaches as each estimator judged them."""
+    """Yield the reaches as scored for each estimator."""
     for name in names:
         rows = trials[(trials["targets"] == name) & (trials["target"] != NO_REACH)]
         yield name, rows.sort_values("recording").reset_index(drop=True)
@@ -201,8 +198,7 @@ def grips(contact: pd.DataFrame, paper: pd.DataFrame) -> Iterator[str]:
     found = [both[n]["grip_found_s"].astype(float) for n in ("cylinder", "contact")]
     gain = (found[0] - found[1]).dropna()
     rows = both["contact"].loc[gain.index]
-    groups = rows["participant"].astype("category").cat.codes.to_numpy().astype(np.int64)
-    low, high = interval_over_groups(gain.to_numpy(), groups)
+    low, high = interval_over_groups(gain, rows["participant"])
     yield f"\n`contact` has the grip for good {gain.mean():.3f} s [{low:.3f} to {high:.3f}] earlier than `cylinder`, mean over the trials in which both have it."
 
 

@@ -1,4 +1,4 @@
-"""Make the pictures of the documentation: ``make pictures`` (after ``make system``)."""
+"""Draw the pictures of the documentation: ``make pictures`` (after ``make system``)."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from igrip import Config, Estimator, load_objects
 from igrip.lab.simulation.demo import DemoPerson
 from igrip.objects.catalog import PAPER_OBJECTS
 from igrip.perception.cameras.rendered import RenderedCamera
-from igrip.perception.pipeline.detectors import hand_eye, object_eye
-from igrip.perception.pipeline.merge import HandsFound
+from igrip.perception.pipeline.merge import DetectedHands
+from igrip.perception.pipeline.stages import hand_stages, object_stages
 from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame
 from igrip.viewer.grip_page import GripPage
@@ -27,12 +27,12 @@ FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader
          "--disable-component-update", "--disable-sync"]  # fmt: skip
 
 
-def most_telling(seed: int = 0) -> tuple[list[Snapshot], str]:
+def clearest_moment(seed: int = 0) -> tuple[list[Snapshot], str]:
     """Return the demo up to the earliest moment at which the rays meet the right target."""
     catalog = load_objects("ycb")
     estimator, person = Estimator(catalog), DemoPerson(catalog, seed)
     moments: list[Snapshot] = []
-    most, index, words = 0.0, 0, ""
+    earliest, index, task_text = 0.0, 0, ""
     for moment in person:
         if moment.observation.t > 40.0:
             break
@@ -47,16 +47,16 @@ def most_telling(seed: int = 0) -> tuple[list[Snapshot], str]:
                 continue
             hits, misses = rays_of(snapshot.scene, hand)
             pointed = len(hits) > 0.3 * (len(hits) + len(misses))
-            early = intention.time_to_contact or 0.0
-            if t > 8.0 and pointed and early > most:  # by then the time courses are long
-                most, index = early, len(moments)
-                words = f"{task.hand} hand to {task.target}, {task.grip} grip"
-    assert most > 0
-    return moments[:index], words
+            time_left = intention.time_to_contact or 0.0
+            if t > 8.0 and pointed and time_left > earliest:  # by then the time courses are long
+                earliest, index = time_left, len(moments)
+                task_text = f"{task.hand} hand to {task.target}, {task.grip} grip"
+    assert earliest > 0
+    return moments[:index], task_text
 
 
 def photograph(page: Page, url: str, text: str, name: str) -> None:
-    """Wait until the scene is drawn, put away the browser's remark on its GPU, and take it."""
+    """Wait until the scene is drawn, close the browser's remark on its GPU, take a screenshot."""
     page.goto(url)
     page.get_by_text(text).first.wait_for()
     page.wait_for_timeout(6000)  # software rendering
@@ -70,30 +70,30 @@ def photograph(page: Page, url: str, text: str, name: str) -> None:
 
 
 def live_picture(name: str, seed: int = 1) -> None:
-    """Draw what a live chain sees and says of a rendered reach, when it is surest."""
+    """Draw what the pipeline detects and decides in a rendered reach, where it is surest."""
     catalog = load_objects("ycb")
     camera = RenderedCamera(seed)
-    find_hands = hand_eye("mediapipe", 2)()
-    look = object_eye("depth", catalog, {"models": PAPER_OBJECTS})()
+    find_hands = hand_stages("mediapipe", 2)()
+    find_objects = object_stages("depth", catalog, {"models": PAPER_OBJECTS})()
     estimator = Estimator(catalog)
-    seen: list[HandsFound] = []
+    detections: list[DetectedHands] = []
 
-    def hands(frame: RgbdFrame) -> HandsFound:
-        seen.append(find_hands(frame))
-        return seen[-1]
+    def hands(frame: RgbdFrame) -> DetectedHands:
+        detections.append(find_hands(frame))
+        return detections[-1]
 
     frames = (camera.frame(k / 30.0) for k in range(120))
     best, picture = 0.0, None
-    for message in observe(frames, hands, look):
-        for said in estimator.update(message):
-            sure = said.confidence or 0.0
-            if said.status == "reaching" and sure > best and seen[-1].landmarks:
-                told = list(estimator.latest.values())
-                best, picture = sure, draw_overlay(
-                    seen[-1].frame, seen[-1].landmarks, estimator.objects, told
+    for message in observe(frames, hands, find_objects):
+        for intention in estimator.update(message):
+            confidence, latest = intention.confidence or 0.0, detections[-1]
+            if intention.status == "reaching" and confidence > best and latest.landmarks:
+                intentions = list(estimator.latest.values())
+                best, picture = confidence, draw_overlay(
+                    latest.frame, latest.landmarks, estimator.objects, intentions
                 )  # fmt: skip
     find_hands.close()
-    assert picture is not None, "no hand reached in this film"
+    assert picture is not None, "no hand reaches in these frames"
     cv2.imwrite(str(FOLDER / name), picture[..., ::-1])
 
 
@@ -101,10 +101,10 @@ def main() -> None:
     """Write all pictures."""
     live_picture("live.png")
     FOLDER.mkdir(exist_ok=True)
-    moments, words = most_telling()
+    moments, task_text = clearest_moment()
     viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)
-    viewer.note("Task", words)
-    viewer.show_film(moments, len(moments) - 1)
+    viewer.note("Task", task_text)
+    viewer.show_replay(moments, len(moments) - 1)
     catalog = load_objects("ycb")
     zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_threshold)
     with sync_playwright() as play:

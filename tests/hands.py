@@ -1,4 +1,4 @@
-"""Pictures with hands for the tests of vision."""
+"""Pictures with hands for the tests of perception."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from igrip.rgbd import Intrinsics, RgbdFrame
 CAMERA = Intrinsics(640, 480, 450.0, 450.0, 320.0, 240.0)
 
 
-def find_hands_or_skip(**config):
-    """Return a hand finder; the test is skipped where there is neither cache nor network."""
+def hand_detector_or_skip(**config):
+    """Return a hand detector; the test is skipped where there is neither cache nor network."""
     from igrip.perception.hands.mediapipe import MediaPipeConfig, MediaPipeHands
 
     try:
         return MediaPipeHands(MediaPipeConfig(**config))
     except IgripError as error:
-        pytest.skip(f"no hand finder: {error}")
+        pytest.skip(f"no hand detector: {error}")
 
 
 def desk(seed=0, camera=CAMERA, depth=1.1):

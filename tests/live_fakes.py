@@ -1,15 +1,16 @@
-"""Cameras and finders that do what a test says."""
+"""Cameras and stages that do what a test says, when it says so: no test waits for a clock."""
 
 from __future__ import annotations
 
 import threading
-import time
 
 import numpy as np
 
 from igrip.entities import Hand, ObjectPose
-from igrip.perception.pipeline.merge import HandsFound, ObjectsFound
+from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects
 from igrip.rgbd import Intrinsics, RgbdFrame
+
+LIMIT = 60.0  # s that a condition is waited for: only a failing test ever does
 
 
 def frame(t, camera="camera"):
@@ -17,51 +18,80 @@ def frame(t, camera="camera"):
     return RgbdFrame(t, picture, None, Intrinsics(6, 4, 5.0, 5.0, 2.5, 1.5), camera)
 
 
-class FakeCamera:
-    """Yields so many frames at a rate; then ends, or fails, or goes on until it is closed."""
+class Clock:
+    """A clock that moves when it is told to [s]."""
 
-    def __init__(self, count=None, rate=100.0, error=None, cameras=("camera",)):
-        self.count, self.rate, self.error, self.cameras = count, rate, error, cameras
+    def __init__(self, t=100.0):
+        self.t = t
+
+    def __call__(self):
+        return self.t
+
+    def advance(self, seconds):
+        self.t += seconds
+
+
+class FakeCamera:
+    """Yields frames of a clock that it moves on; then ends, fails, or waits to be closed.
+
+    Parameters
+    ----------
+    clock : Clock
+        Of the frames.
+    count : int
+        Frames of each camera.
+    before : function
+        Called with the number of each frame before it is yielded; may wait for something.
+    error : Exception, optional
+        Raised in the end.
+    endless : bool
+        Whether it then waits until it is closed.
+    cameras : sequence of str
+        Names of the cameras.
+    """
+
+    def __init__(
+        self, clock, count=10, before=lambda k: None, error=None, endless=False,
+        cameras=("camera",),
+    ):  # fmt: skip
+        self.clock, self.count, self.before = clock, count, before
+        self.error, self.endless, self.cameras = error, endless, cameras
         self.closed = threading.Event()
-        self.yielded = 0
 
     def __iter__(self):
-        while not self.closed.is_set() and (self.count is None or self.yielded < self.count):
+        for k in range(self.count):
+            self.before(k)
+            self.clock.advance(1 / 30)
             for camera in self.cameras:
-                yield frame(time.monotonic(), camera)
-            self.yielded += 1
-            self.closed.wait(1.0 / self.rate)
-        if self.error is not None and not self.closed.is_set():
+                yield frame(self.clock(), camera)
+        if self.error is not None:
             raise self.error
+        if self.endless:
+            assert self.closed.wait(LIMIT)
 
     def close(self):
         self.closed.set()
 
 
-def hands_finder(takes=0.0, fails=lambda n: False, seen=None):
-    """Return a finder of one hand that takes so long [s]."""
-    count = iter(range(10**9))
+def hand_stage(work=lambda frame: None):
+    """Return a stage of one hand; ``work`` is called first, and may wait or fail."""
 
-    def find(frame):
-        time.sleep(takes)
-        if fails(next(count)):
-            raise ValueError("a strange picture")
-        if seen is not None:
-            seen.append(frame)
+    def stage(frame):
+        work(frame)
         x = 0.1 * (frame.t % 1.0)
-        return HandsFound(frame, {"right": Hand(position=(x, 0.0, 0.5), t=frame.t)}, {})
+        return DetectedHands(frame, {"right": Hand(position=(x, 0.0, 0.5), t=frame.t)}, {})
 
-    return find
+    return stage
 
 
-def objects_finder(takes=0.0, given=None):
-    def find(frame, hands):
-        time.sleep(takes)
-        if given is not None:
-            given.append(hands)
+def object_stage(work=lambda frame, hands: None):
+    """Return a stage of one object; ``work`` is called first, and may wait or fail."""
+
+    def stage(frame, hands):
+        work(frame, hands)
         pose = ObjectPose(
             position=(0.0, 0.1, 0.8), orientation=(0.0, 0.0, 0.0, 1.0), model="box", t=frame.t
         )
-        return ObjectsFound(frame, {"box": pose})
+        return DetectedObjects(frame, {"box": pose})
 
-    return find
+    return stage

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 import igrip
 from igrip.errors import UnknownModelError
 from igrip.geometry.scene import PlacedObject
+from igrip.lab.simulation.faults import KINDS, Fault
 from igrip.objects.model import build_model
 from oracle.meshes import Mesh
 
@@ -201,3 +202,8 @@ def close(a, b, tolerance=1e-6):
 def plain_json(value):
     """Return a structure as JSON gives it back."""
     return json.loads(json.dumps(value))
+
+
+def every_kind(rate: float, lasts: float = 0.3) -> list[Fault]:
+    """Return faults of every kind at random, ``rate`` a second in all."""
+    return [Fault(kind, lasts=lasts, rate=rate / len(KINDS)) for kind in KINDS]

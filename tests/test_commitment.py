@@ -213,3 +213,32 @@ def test_which_hands_are_assisted():
     assert config.assists("right")
     assert not config.assists("left")
     assert not CommitmentConfig(assisted=()).assists("left")
+
+
+@pytest.mark.parametrize(
+    ("familiarity", "threshold"),
+    [(None, 0.7), (1.0, 0.7), (0.3, 0.7), (0.15, 0.8), (0.0, 0.9)],
+)
+def test_a_strange_movement_needs_a_higher_confidence(familiarity, threshold):
+    config = CommitmentConfig(
+        reliability=0.0, min_threshold=0.7, strange_margin=0.2, full_familiarity=0.3
+    )
+    assert config.threshold_in(familiarity) == pytest.approx(threshold)
+    for confidence, leased in ((threshold + 0.01, True), (threshold - 0.01, False)):
+        one = evidence(0.1, {"cup": confidence, "jug": 0.0}, familiarity=familiarity)
+        assert (Committer(config).update(one) is not None) == leased
+
+
+def test_no_threshold_is_raised_beyond_reach_nor_lowered():
+    high = CommitmentConfig(reliability=1.0, max_threshold=0.95, strange_margin=0.2)
+    assert high.threshold_in(0.0) == 0.98
+    beyond = CommitmentConfig(reliability=1.0, max_threshold=0.995, strange_margin=0.2)
+    assert beyond.threshold_in(0.0) == beyond.threshold_in(1.0) == pytest.approx(0.995)
+
+
+def test_a_movement_that_turns_strange_loses_its_lease():
+    config = CommitmentConfig(reliability=0.0, min_threshold=0.6, hysteresis=0.1)
+    committer, likely = Committer(config), {"cup": 0.62, "jug": 0.1}
+    assert committer.update(evidence(0.1, likely, familiarity=0.5)) is not None
+    assert committer.update(evidence(0.13, likely, familiarity=0.2)) is not None
+    assert committer.update(evidence(0.16, likely, familiarity=0.0)) is None

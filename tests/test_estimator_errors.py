@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -98,3 +100,29 @@ def test_long_ids_do_not_make_long_errors(shapes):
     with pytest.raises(ObservationError) as raised:
         estimator.update(Observation(**message(1.0, None, {"x" * 100_000: pose((0, 0, 0))})))
     assert len(str(raised.value)) < 300
+
+
+ODD_IDS = [
+    "a.b", "a.b.model", "a.", ".", "", " ", "a[0]", "a[0].model", "mug ☕", "\u200b", "a" * 81,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("id", ODD_IDS)
+def test_the_refused_object_is_named_whatever_its_id(shapes, id):
+    """Its id cannot be read off the field: dots are allowed, and long ids are shortened there."""
+    others = {"a": pose((0.1, 0, 0), model=BOX), "a" * 82: pose((0.4, 0, 0), model=BOX)}
+    estimator = Estimator(shapes)
+    estimator.update(Observation(**message(1.0, None, others | {id: pose((0, 0, 1), model=BOX)})))
+    rebound = others | {id: pose((0, 0, 1), model=CAN)}
+    with pytest.raises(ObservationError) as raised:
+        estimator.update(Observation(**message(1.1, None, rebound)))
+    assert raised.value.object_id == id
+    assert pickle.loads(pickle.dumps(raised.value)).object_id == id
+
+
+def test_an_error_about_the_whole_message_names_no_object(shapes):
+    estimator = Estimator(shapes)
+    estimator.update(Observation(**message(1.0)))
+    with pytest.raises(ObservationError) as raised:
+        estimator.update(Observation(**message(0.5, None, {"t": pose((0, 0, 0), model=BOX)})))
+    assert raised.value.object_id is None

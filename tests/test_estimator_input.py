@@ -304,15 +304,18 @@ def test_time_to_contact_counts_from_the_message(shapes):
     """A measurement that is 0.1 s old leaves 0.1 s less."""
     told = []
     for delay in (0.0, 0.1):
-        measured = 2.0 + 29 / 30
+        measured = 2.0 + 24 / 30
         messages = [
             message(2.0 + k / 30 + delay, {"right": hand((0.006 * k, 0, 0), t=2.0 + k / 30)}, BODY)
-            for k in range(30)
+            for k in range(25)
         ]
         told.append(run(messages, shapes)[-1])
         assert told[-1].t == pytest.approx(measured + delay)
     fresh, old = told
     assert fresh.time_to_contact - old.time_to_contact == pytest.approx(0.1)
+    assert fresh.time_to_end - old.time_to_end == pytest.approx(0.1)
+    highest = [seen.time_to_contact_interval[1] for seen in told]
+    assert highest[0] - highest[1] == pytest.approx(0.1)
     assert fresh.contact == pytest.approx(old.contact)
 
 

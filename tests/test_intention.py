@@ -23,6 +23,10 @@ FULL = Intention(
     grip="palmar",
     grip_probability={"palmar": 0.9, "pinch": 0.1},
     time_to_contact=0.4,
+    time_to_contact_interval=(0.3, 0.6),
+    time_to_end=0.5,
+    time_to_end_interval=(0.4, 0.8),
+    familiarity=0.5,
     contact=(0.1, 0.2, 0.3),
     probability={"mustard": 0.8, "none": 0.2},
     scores={"mustard": {"impacts": 0.5, "global": 0.6}},
@@ -67,10 +71,11 @@ def test_the_published_schema_describes_what_is_written():
 
 
 def test_the_form_of_the_design():
-    """Every key of the example in DESIGN §3 is there."""
+    """Every key of the example in DESIGN §3 is there, and those that were added since."""
     keys = {
         "schema", "t", "hand", "status", "reason", "target", "target_model", "confidence", "grip",
         "grip_probability", "time_to_contact", "contact", "probability", "scores", "commitment",
+        "familiarity", "time_to_contact_interval", "time_to_end", "time_to_end_interval",
     }  # fmt: skip
     assert set(json.loads(FULL.to_json())) == keys
 

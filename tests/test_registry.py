@@ -14,7 +14,7 @@ import igrip
 from igrip.cues import CUES, Cue, CueConfig, cue
 from igrip.errors import UnknownNameError
 from igrip.grips import GRIPS, Grip
-from igrip.io.sources import SOURCES
+from igrip.io.recordings import SOURCES
 from igrip.registry import Registry
 from igrip.targets import TARGETS, TargetEstimate, best_of
 from support import BOX, hand, message, pose, run, scene_of_shapes

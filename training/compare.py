@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.io.importers import ImportOptions, RecordedReach, observe
+from igrip.io.importers import RecordedReach
+from igrip.io.resampling import ImportOptions, resample
 from igrip.targets.learned.features import LOCAL
 from igrip.targets.learned.network import MAX_INPUT
 from training.__main__ import PERSONS, SEED, gather
@@ -38,7 +39,7 @@ def validation_reach(job: tuple[RecordedReach, int]) -> tuple[str, Moments]:
     reach, seed = job
     options = ImportOptions(rate=30.0, noise=NOISE, seed=seed)
     recording = Recording(
-        reach.participant, str(reach.extra["distance"]), observe(reach, catalog(), options),
+        reach.participant, str(reach.extra["distance"]), resample(reach, catalog(), options),
         reach.hand, reach.target, -1e-9, float(reach.times[-1]), math.inf, 30.0,
     )  # fmt: skip
     return recording.kind, moments_of(recording, follow(recording))

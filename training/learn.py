@@ -1,9 +1,4 @@
-"""Fit of the scorer: softmax over the objects and none, by stochastic gradient.
-
-The weights are kept on a decimal grid at every step. Differences in the last digits between
-machines (other instructions, other orders of summation) are rounded away before they can grow, so
-that a second training gives the same file.
-"""
+"""Fit of the scorer: softmax over the objects and none, by stochastic gradient."""
 
 from __future__ import annotations
 
@@ -25,14 +20,13 @@ from igrip.targets.learned.network import (
     Scorer,
     arrange_inputs,
 )
+from training.adam import DIGITS, Adam
 from training.moments import Moments, selected
 
 Array = NDArray[np.float64]
-DIGITS = 6  # of the grid
 UNITS = 48
 TARGET_NETWORKS, REACH_NETWORKS = 2, 2  # of each head
-PASSES, BATCH, RATE, DECAY = 60, 2048, 4e-3, 1e-4
-BETA_1, BETA_2 = 0.9, 0.999  # decay of the averages of the gradient and of its square
+PASSES, BATCH = 60, 2048
 
 
 def inputs_of(moments: Moments) -> Array:
@@ -101,8 +95,6 @@ def fit(
 ) -> tuple[Network, float]:
     """Return one network, and its mean loss in the last pass.
 
-    Adam (Kingma & Ba 2015, ICLR) with a learning rate that falls as a cosine.
-
     Parameters
     ----------
     inputs : (r, i)
@@ -124,25 +116,14 @@ def fit(
         random.uniform(-1.0, 1.0, units) / np.sqrt(units),
         np.zeros(1),
     ]
-    weights = [np.round(w, DIGITS) for w in weights]
-    averages = [(np.zeros_like(w), np.zeros_like(w)) for w in weights]
-    step, steps = 0, PASSES * -(-len(moments.target) // BATCH)
+    adam = Adam(weights, PASSES * -(-len(moments.target) // BATCH))
     for _ in range(PASSES):
         loss = 0.0
         for rows, frame, target, weight in _batches(moments, random):
-            gradients, part = _gradients(inputs[rows], frame, target, weight, weights, none)
+            gradients, part = _gradients(inputs[rows], frame, target, weight, adam.weights, none)
             loss += part
-            step += 1
-            rate = RATE * 0.5 * (1.0 + np.cos(np.pi * step / steps))
-            for k, gradient in enumerate(gradients):
-                one, two = averages[k]
-                gradient = gradient + DECAY * weights[k]
-                one += (1.0 - BETA_1) * (gradient - one)
-                two += (1.0 - BETA_2) * (gradient**2 - two)
-                slope = one / (1.0 - BETA_1**step)
-                size = np.sqrt(two / (1.0 - BETA_2**step)) + 1e-8
-                weights[k] = np.round(weights[k] - rate * slope / size, DIGITS)
-    return Network(*weights), loss / float(moments.weight.sum())
+            adam.step(gradients)
+    return Network(*adam.weights), loss / float(moments.weight.sum())
 
 
 def _batches(

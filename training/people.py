@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from igrip.io.importers import ImportOptions, RecordedReach, observe, read_tables
+from igrip.io.importers import ImportFiles, RecordedReach
 from igrip.io.importers.wispinski2021 import Wispinski2021
+from igrip.io.resampling import ImportOptions, resample
 from training.moments import THINGS, Recording, catalog
 
 FOLDS, KEPT_BACK, VALIDATION = 5, 1, 0
@@ -27,7 +28,7 @@ def fold(participant: str) -> int:
 
 def real_reaches(tables: Path) -> list[RecordedReach]:
     """Return all reaches of the near/far data."""
-    return [read() for read in Wispinski2021().reaches(read_tables([tables]))]
+    return [read() for read in Wispinski2021().reaches(ImportFiles([tables]))]
 
 
 def real_recordings(
@@ -59,7 +60,7 @@ def record(reach: RecordedReach, seed: int) -> Recording:
     )  # fmt: skip
     recording = Recording(
         person=reach.participant, kind="near" if reach.extra["distance"] == "near" else "far",
-        messages=observe(reach, catalog(), options), hand=reach.hand, target=reach.target,
+        messages=resample(reach, catalog(), options), hand=reach.hand, target=reach.target,
         onset=rest - 1e-9, end=rest + float(reach.times[-1]), back=math.inf, rate=rate,
     )  # fmt: skip
     absent = random.random() < 0.125

@@ -10,12 +10,17 @@ import math
 
 import numpy as np
 
-from igrip.lab.simulation.cohort import SIDES, Task, perform, rest_points
+from igrip.lab.simulation.cohort import SIDES, TrialTask, perform, rest_points
 from igrip.lab.simulation.minimum_jerk import reach as move
 from igrip.lab.simulation.movement import Habits, draw_habits
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
-from igrip.lab.simulation.parameters import Camera, Cohort, Person, Protocol
-from igrip.lab.simulation.sensors import film, place_camera
+from igrip.lab.simulation.parameters import (
+    CameraParameters,
+    CohortParameters,
+    PersonParameters,
+    ProtocolParameters,
+)
+from igrip.lab.simulation.sensors import observe_scene, place_camera
 from igrip.lab.simulation.table import set_table
 from training.moments import THINGS, Recording, catalog
 
@@ -26,13 +31,13 @@ NO_REACH = 1.5  # weight of hands that reach for nothing (guess)
 RATES = (15.0, 20.0, 30.0, 30.0, 30.0, 45.0, 60.0, 90.0, 120.0)
 
 
-def draw_world(random: np.random.Generator) -> Cohort:
+def draw_world(random: np.random.Generator) -> CohortParameters:
     """Draw one person with their way of moving, their table and their camera."""
 
     def between(low: float, high: float) -> float:
         return float(random.uniform(low, high))
 
-    protocol = Protocol(
+    protocol = ProtocolParameters(
         repetitions=1, rate=float(random.choice(RATES)), rest=between(0, 1.6),
         rest_spread=between(0, 0.8), hold=between(0.3, 1.2), table_width=between(0.4, 1.0),
         table_near=between(0.18, 0.35), table_far=between(0.42, 0.75),
@@ -47,7 +52,7 @@ def draw_world(random: np.random.Generator) -> Cohort:
         return between(0.5 * high, 1.5 * high) if impaired else between(low, high)
 
     duration = math.exp(worse(math.log(0.6), math.log(2.2)))
-    person = Person(
+    person = PersonParameters(
         duration=duration, duration_between=between(0.06, 0.2) * duration,
         duration_within=between(0.06, 0.15) * duration,
         peak_time=between(0.34, 0.52), lift=between(0, 0.12), curvature=worse(-0.05, 0.2),
@@ -56,7 +61,7 @@ def draw_world(random: np.random.Generator) -> Cohort:
         tremor=worse(0.0002, 0.0015), sway=worse(0.001, 0.004), hesitation=worse(0, 0.1),
         change_of_mind=between(0, 0.08), change_at=between(0.25, 0.45),
     )  # fmt: skip
-    camera = Camera(
+    camera = CameraParameters(
         aside=between(0.1, 0.7), behind=between(-0.2, 0.4), height=between(0.35, 0.9),
         disparity_noise=between(0.05, 0.9), lateral_noise=between(0.0003, 0.003),
         correlation=between(0, 0.8), outliers=between(0, 0.006),
@@ -67,7 +72,7 @@ def draw_world(random: np.random.Generator) -> Cohort:
         object_jitter_turn=between(0, 0.03), flips=between(0, 0.02), object_lost=between(0, 0.03),
         object_lost_for=between(2, 8), never_found=between(0, 0.04), occluded=between(0, 1),
     )  # fmt: skip
-    return Cohort(protocol=protocol, person=person, camera=camera)
+    return CohortParameters(protocol=protocol, person=person, camera=camera)
 
 
 def simulate_person(seed: int, number: int) -> list[Recording]:
@@ -78,7 +83,9 @@ def simulate_person(seed: int, number: int) -> list[Recording]:
     return [_one(f"s{number}", world, habits, random) for _ in range(TRIALS)]
 
 
-def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator) -> Recording:
+def _one(
+    person: str, world: CohortParameters, habits: Habits, random: np.random.Generator
+) -> Recording:
     count = int(random.choice(COUNTS))
     names = random.choice(len(THINGS), count, replace=count > len(THINGS))
     models = {f"o{k}": catalog()[THINGS[name]] for k, name in enumerate(names)}
@@ -92,7 +99,7 @@ def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator
         kind = KINDS[int(random.integers(len(KINDS)))]
         table = set_table(models, world.protocol, random)
         scene = draw_no_reach(kind, table, world, rest_points(world.protocol), 8.0, random)
-        messages = film(
+        messages = observe_scene(
             scene.times, scene.palms, table, camera_at, world.camera, random, scene.moving
         )
         return Recording(
@@ -110,7 +117,7 @@ def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator
     hand, target = SIDES[int(random.integers(2))], f"o{int(random.integers(count))}"
     grip = ("palmar", "pinch")[int(random.integers(2))]
     style = ("executed", "simulated")[int(random.integers(2))]
-    done = perform(Task(hand, target, grip, style), world, habits, models, random)
+    done = perform(TrialTask(hand, target, grip, style), world, habits, models, random)
     times, palms, back = done.times, dict(done.palms), math.inf
     if random.random() < 0.35:  # the hand goes home again: no reach
         lasts = float(random.uniform(0.7, 1.3))
@@ -127,7 +134,7 @@ def _one(person: str, world: Cohort, habits: Habits, random: np.random.Generator
             palms[side] = np.concatenate([palms[side], goes])
         back = float(times[-1]) + 0.02
         times = np.concatenate([times, times[-1] + more])
-    messages = film(times, palms, done.table, camera_at, world.camera, random)
+    messages = observe_scene(times, palms, done.table, camera_at, world.camera, random)
     recording = Recording(
         person, kind, messages, hand, target, *done.bounds, back, protocol.rate, grip=grip
     )

@@ -14,8 +14,8 @@ import traceback
 import numpy as np
 
 PROTOCOL = "igrip-poses/1"
-MOST = 1 << 16  # bytes of a header
-PIXELS = 1 << 24  # of a picture
+MAX_HEADER = 1 << 16  # bytes
+MAX_PIXELS = 1 << 24
 
 
 def estimator(threshold, workers):
@@ -29,23 +29,23 @@ def estimator(threshold, workers):
 
     def estimate(colour, depth, matrix):
         observation = ObservationTensor.from_numpy(colour, depth, matrix).to(device)
-        found, _ = cosypose.pose_predictor.run_inference_pipeline(
+        results, _ = cosypose.pose_predictor.run_inference_pipeline(
             observation,
             run_detector=True,
             detection_th=threshold,
             n_coarse_iterations=1,
             n_refiner_iterations=4,
         )
-        if found is None or len(found.infos) == 0:
+        if results is None or len(results.infos) == 0:
             return []
-        poses = found.poses.detach().cpu().numpy()
+        poses = results.poses.detach().cpu().numpy()
         return [
             {
                 "label": str(info.label),
                 "score": float(info.score),
                 "camera_from_object": np.asarray(pose, dtype=float).tolist(),
             }
-            for info, pose in zip(found.infos.itertuples(), poses)  # noqa: B905 (Python 3.9)
+            for info, pose in zip(results.infos.itertuples(), poses)  # noqa: B905 (Python 3.9)
         ]
 
     return estimate
@@ -61,26 +61,26 @@ class Client(socketserver.StreamRequestHandler):
             if len(length) < 4:
                 return
             (length,) = struct.unpack(">I", length)
-            if length > MOST:
+            if length > MAX_HEADER:
                 return
-            asked = json.loads(self.rfile.read(length))
-            height, width = int(asked["height"]), int(asked["width"])
-            if asked["schema"] != PROTOCOL or not 0 < height * width <= PIXELS:
+            header = json.loads(self.rfile.read(length))
+            height, width = int(header["height"]), int(header["width"])
+            if header["schema"] != PROTOCOL or not 0 < height * width <= MAX_PIXELS:
                 return
             pixels = self.rfile.read(height * width * 3)
             colour = np.frombuffer(pixels, np.uint8).reshape(height, width, 3).copy()
             depth = None
-            if asked["depth"]:
+            if header["depth"]:
                 read = self.rfile.read(height * width * 4)
                 depth = np.frombuffer(read, "<f4").reshape(height, width).copy()
             try:
-                poses = self.server.estimate(colour, depth, np.array(asked["matrix"]))
-                said = {"seq": asked["seq"], "poses": poses}
-            except Exception as error:  # the client is told, and the next frame may do
+                poses = self.server.estimate(colour, depth, np.array(header["matrix"]))
+                answer = {"seq": header["seq"], "poses": poses}
+            except Exception as error:  # the client gets the message, and the next frame may do
                 traceback.print_exc()
-                said = {"seq": asked["seq"], "error": f"{type(error).__name__}: {error}"}
-            words = json.dumps(said).encode()
-            self.wfile.write(struct.pack(">I", len(words)) + words)
+                answer = {"seq": header["seq"], "error": f"{type(error).__name__}: {error}"}
+            packed = json.dumps(answer).encode()
+            self.wfile.write(struct.pack(">I", len(packed)) + packed)
 
 
 class Server(socketserver.TCPServer):
@@ -93,7 +93,7 @@ class Server(socketserver.TCPServer):
         self.estimate = estimate
 
     def handle_error(self, request, client_address):
-        """Say why a client was dropped; the next may come."""
+        """Print why a client was dropped; the next may come."""
         print(f"client {client_address[0]}: {sys.exc_info()[1]}", file=sys.stderr)
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from igrip.errors import IgripError, ObservationError
     from igrip.estimator import Estimator
     from igrip.intention import Intention
-    from igrip.io.sources import open_source
+    from igrip.io.recordings import open_source
     from igrip.objects.catalog import Catalog, load_objects
     from igrip.observation import Observation
 
@@ -29,7 +29,7 @@ _HOMES = {
     "Observation": "igrip.observation",
     "ObservationError": "igrip.errors",
     "load_objects": "igrip.objects.catalog",
-    "open_source": "igrip.io.sources",
+    "open_source": "igrip.io.recordings",
 }
 
 __all__ = [

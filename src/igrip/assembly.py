@@ -13,6 +13,7 @@ from igrip.intention import Intention
 from igrip.motion.hand_track import HandTrack
 from igrip.motion.trajectory import Motion
 from igrip.targets import Scores, TargetEstimate
+from igrip.targets.learned.timing import Timing
 
 
 class HandResults(NamedTuple):
@@ -31,7 +32,9 @@ class HandResults(NamedTuple):
     grip : Grip
         For that target.
     contact : (float, 3 floats) or None
-        Predicted contact with it: seconds from the newest sample, and the point [m].
+        Extrapolated contact with it: seconds from the newest sample, and the point [m].
+    timing : Timing or None
+        Predicted times of contact and of the end of the movement, from the newest sample.
     """
 
     hand: HandTrack
@@ -41,6 +44,7 @@ class HandResults(NamedTuple):
     estimate: TargetEstimate
     grip: Grip
     contact: tuple[float, Vector] | None
+    timing: Timing | None
 
 
 def build_intention(t: float, results: HandResults, object_problems: str | None) -> Intention:
@@ -55,7 +59,7 @@ def build_intention(t: float, results: HandResults, object_problems: str | None)
     object_problems : str or None
         What is wrong with the input of objects: the reason, if the hand has none of its own.
     """
-    hand, motion, geometry, cues, estimate, grip, contact = results
+    hand, motion, geometry, cues, estimate, grip, contact, timing = results
     ids = [placed.id for placed in geometry.objects]
     target = None if estimate.target is None else geometry.objects[estimate.target]
     names = (*cues, "global")
@@ -63,6 +67,8 @@ def build_intention(t: float, results: HandResults, object_problems: str | None)
     probability = None
     if estimate.probability is not None:
         probability = dict(zip([*ids, "none"], map(float, estimate.probability), strict=True))
+    age = t - motion.t
+    until_contact, until_end = (p.after(age) for p in timing) if timing else (None, None)
     return Intention(
         t=t,
         hand=hand.id,
@@ -73,9 +79,13 @@ def build_intention(t: float, results: HandResults, object_problems: str | None)
         confidence=None if estimate.target is None else float(estimate.scores[estimate.target]),
         grip=grip.name,
         grip_probability=None if grip.probability is None else dict(grip.probability),
-        time_to_contact=max(0.0, contact[0] - (t - motion.t)) if contact else None,
+        time_to_contact=until_contact.median if until_contact else None,
+        time_to_contact_interval=until_contact.interval if until_contact else None,
+        time_to_end=until_end.median if until_end else None,
+        time_to_end_interval=until_end.interval if until_end else None,
         contact=contact[1] if contact else None,
         probability=probability,
+        familiarity=estimate.familiarity,
         scores={id: dict(zip(names, row, strict=True)) for id, row in zip(ids, rows, strict=True)},
     )
 
@@ -100,4 +110,5 @@ def build_evidence(
         trusted_objects=trusted_objects,
         distances=dict(zip(intention.scores, geometry.vertex.tolist(), strict=True)),
         carried=carried_objects(moving, motion.velocity.tolist()) if moving else (),
+        familiarity=intention.familiarity,
     )

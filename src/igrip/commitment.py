@@ -28,6 +28,7 @@ __all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
 
 State = Literal["open", "earning", "committed", "holding"]
 ALL_HANDS: tuple[str, ...] = ("*",)
+MAX_RAISED = 0.98  # no threshold is raised beyond it: it could not be reached
 
 
 class CommitmentConfig(Settings):
@@ -44,7 +45,7 @@ class CommitmentConfig(Settings):
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
     reliability: float = quantity(
-        0.45, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
+        0.6, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
     )  # fmt: skip
     min_threshold: float = quantity(
@@ -56,6 +57,14 @@ class CommitmentConfig(Settings):
     max_dwell: float = quantity(
         0.2, "s", "a target must be likely for this long at reliability 1, at 0 not at all",
         "guess", ge=0,
+    )  # fmt: skip
+    strange_margin: float = quantity(
+        0.15, "1", "the threshold is this much higher in a movement like none that was learned "
+        "from, up to 0.98", "docs/commitment.md", ge=0, lt=1,
+    )  # fmt: skip
+    full_familiarity: float = quantity(
+        0.3, "1", "from this familiarity on the threshold is not raised",
+        "nine in ten real reaches have more", gt=0, le=1,
     )  # fmt: skip
     hysteresis: float = quantity(
         0.25, "1", "a target is kept until its confidence falls this much below the threshold",
@@ -83,8 +92,22 @@ class CommitmentConfig(Settings):
 
     @property
     def threshold(self) -> float:
-        """Confidence from which a target is committed to."""
+        """Confidence from which a target is committed to, in a familiar movement."""
         return self.min_threshold + self.reliability * (self.max_threshold - self.min_threshold)
+
+    def threshold_in(self, familiarity: float | None) -> float:
+        """Return the confidence from which a target is committed to in a movement.
+
+        Parameters
+        ----------
+        familiarity : float or None
+            Of the movement, from 0 to 1; None: not known.
+        """
+        if familiarity is None:
+            return self.threshold
+        strangeness = 1.0 - min(1.0, familiarity / self.full_familiarity)
+        raised = min(self.threshold + self.strange_margin * strangeness, MAX_RAISED)
+        return max(self.threshold, raised)
 
     @property
     def dwell(self) -> float:
@@ -210,7 +233,7 @@ class Committer:
             evidence.moving and not self._vetoed and not full
             and target is not None and evidence.grip is not None
             and target in evidence.trusted_objects
-            and evidence.confidence.get(target, 0.0) >= config.threshold
+            and evidence.confidence.get(target, 0.0) >= config.threshold_in(evidence.familiarity)
         )  # fmt: skip
         if not likely:
             self._open()
@@ -236,7 +259,7 @@ class Committer:
                 else:
                     self._open()
             elif self.target in evidence.trusted_objects:  # a hidden target cannot be judged
-                lowest = config.threshold - config.hysteresis
+                lowest = config.threshold_in(evidence.familiarity) - config.hysteresis
                 if evidence.confidence.get(self.target, 0.0) < lowest:
                     self._open()
         elif self._has_left(evidence, distance):

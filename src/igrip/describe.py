@@ -1,4 +1,4 @@
-"""Descriptions of intentions in one sentence, for people."""
+"""Descriptions of intentions for people."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STATES = {
 
 
 def describe(intention: Intention) -> str:
-    """Return one sentence about what a hand is doing.
+    """Describe in one sentence what a hand is doing.
 
     Examples
     --------

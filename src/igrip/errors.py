@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class IgripError(Exception):
@@ -16,15 +17,19 @@ class ObservationError(IgripError, ValueError):
     ----------
     field : str
         Path of the offending field, for example ``hands.right.position[0]``.
+    object_id : str or None
+        The one object that the estimator refuses; without it, the message is accepted. An id may
+        hold dots and brackets, so it cannot be read off ``field``.
     """
 
-    def __init__(self, field: str, problem: str) -> None:
+    def __init__(self, field: str, problem: str, object_id: str | None = None) -> None:
         super().__init__(f"{field}: {problem}")
         self.field = field
         self.problem = problem
+        self.object_id = object_id
 
-    def __reduce__(self) -> tuple[type[ObservationError], tuple[str, str]]:
-        return type(self), (self.field, self.problem)
+    def __reduce__(self) -> tuple[type[ObservationError], tuple[str, str, str | None]]:
+        return type(self), (self.field, self.problem, self.object_id)
 
 
 class ObjectsError(IgripError, ValueError):
@@ -61,6 +66,10 @@ class DatasetError(IgripError, ValueError):
     """A dataset folder is incomplete or contradicts itself."""
 
 
+class CameraError(IgripError):
+    """A camera is not there, cannot be opened or has stopped; the message says what to do."""
+
+
 class MissingExtraError(IgripError, ImportError):
     """An optional dependency is not installed; the message says how to get it."""
 
@@ -70,3 +79,31 @@ class MissingExtraError(IgripError, ImportError):
 
     def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str, str]]:
         return type(self), (self.package, self.extra, self.purpose)
+
+
+@contextmanager
+def requires_extra(
+    package: str, extra: str, purpose: str, errors: tuple[type[Exception], ...] = (ImportError,)
+) -> Iterator[None]:
+    """Raise :class:`MissingExtraError` where the imports inside fail.
+
+    Parameters
+    ----------
+    package : str
+        The distribution to install.
+    extra : str
+        The extra of igrip that brings it.
+    purpose : str
+        What needs it.
+    errors : tuple of exception types
+        What a failed import raises; a few packages raise others than ``ImportError``.
+
+    Examples
+    --------
+    >>> with requires_extra("viser", "viewer", "the scene in the browser"):
+    ...     import viser
+    """
+    try:
+        yield
+    except errors as error:
+        raise MissingExtraError(package, extra, purpose) from error

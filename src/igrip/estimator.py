@@ -13,13 +13,15 @@ from igrip.config import Config
 from igrip.cues import CUES
 from igrip.errors import IgripError
 from igrip.evidence import Evidence
-from igrip.geometry.scene import PlacedObject, Scene
+from igrip.geometry.scene import Geometry, PlacedObject, Scene
 from igrip.grips import GRIPS
 from igrip.intention import Intention, Status
 from igrip.motion.hand_track import HandTrack
+from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
-from igrip.targets import TARGETS, TargetsEstimator
+from igrip.targets import TARGETS, TargetEstimate, TargetsEstimator
+from igrip.targets.learned.timing import Timing, default_timing
 from igrip.tracking import Tracker, TrustedObjects
 
 
@@ -59,6 +61,7 @@ class Estimator:
         self._new_targets = TARGETS.get(config.targets)
         self._new_targets()  # a missing or broken file must raise here, not in mid-stream
         self._grips = GRIPS.get(config.grips)(config.grip)
+        self._timing_model = default_timing()
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
@@ -97,7 +100,8 @@ class Estimator:
             grip = self._grips.select(estimate, geometry, motion)
             target = None if estimate.target is None else objects[estimate.target]
             contact = None if target is None else self._scene.contact(motion, target)
-            results = HandResults(hand, motion, geometry, cues, estimate, grip, contact)
+            timing = self._timing(motion, geometry, estimate)
+            results = HandResults(hand, motion, geometry, cues, estimate, grip, contact, timing)
             intention = build_intention(self.t, results, problems)
             intentions[hand.id] = self._commit(results, intention)
         return self._complete(intentions, measured)
@@ -129,7 +133,9 @@ class Estimator:
         if hand is not None and not self.config.commitment.assists(hand):
             raise IgripError(f"hand {hand!r:.80} is not one that a device assists")
         if hand is not None and hand not in self._committers:
-            if len(self._committers) >= 4 * self.config.tracking.max_hands:
+            unknown = self._committers.keys() - self._tracker.hands.keys()
+            is_followed = hand in self._tracker.hands
+            if not is_followed and len(unknown) >= 4 * self.config.tracking.max_hands:
                 raise IgripError(f"hand {hand!r:.80} is not known, and there are too many")
             self._committers[hand] = Committer(self.config.commitment)
         intentions = []
@@ -190,6 +196,14 @@ class Estimator:
         if known is None or known[0] is not hand or known[1] != restarts:
             known = self._targets[hand.id] = (hand, restarts, self._new_targets())
         return known[2]
+
+    def _timing(
+        self, motion: Motion, geometry: Geometry, estimate: TargetEstimate
+    ) -> Timing | None:
+        """Return when the hand will be at its target; None for a resting hand."""
+        if estimate.target is None or not motion.reach.may_move:
+            return None
+        return self._timing_model.predict(motion, geometry.cylinders().one(estimate.target))
 
     def _commit(self, results: HandResults, intention: Intention) -> Intention:
         """Return the intention with its lease, if there is one."""

@@ -36,6 +36,8 @@ class Evidence(NamedTuple):
         Of the palm from each known object [m].
     carried : collection of str
         Objects that move along with the hand.
+    familiarity : float or None
+        Of the movement, from 0 (strange) to 1; None: not known.
     """
 
     t: float
@@ -49,6 +51,7 @@ class Evidence(NamedTuple):
     trusted_objects: Container[str]
     distances: Mapping[str, float]
     carried: Collection[str] = ()
+    familiarity: float | None = None
 
 
 def carried_objects(

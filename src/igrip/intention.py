@@ -53,12 +53,19 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     grip_probability : dict or None
         Probability of each grip, if the hand grasps; None for a rule that has none.
     time_to_contact : float or None
-        Seconds from ``t`` until the palm is at the distance of a grasp; None: not within the
-        horizon.
+        Seconds from ``t`` until the palm is within 8 cm of the target's surface (predicted median);
+        None: no target, or the hand rests.
+    time_to_contact_interval : 2 floats or None
+        It lies between these in 80 % of cases [s].
+    time_to_end, time_to_end_interval : as these
+        Until the movement ends.
     contact : 3 floats or None
         Where on the target's surface that is, world frame [m].
     probability : dict or None
         Probability of each object and of ``none``; None for estimators that are not calibrated.
+    familiarity : float or None
+        How like the movements that the estimator learned from this one is, from 0 (strange) to 1;
+        None: it learned from none, or the hand rests.
     scores : dict
         For each object, the score of each cue and the ``global`` one, by which the target was
         chosen (for a single: that cue's own).
@@ -76,8 +83,12 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     grip: str | None = None
     grip_probability: dict[str, float] | None = None
     time_to_contact: float | None = None
+    time_to_contact_interval: tuple[float, float] | None = None
+    time_to_end: float | None = None
+    time_to_end_interval: tuple[float, float] | None = None
     contact: Vector | None = None
     probability: dict[str, float] | None = None
+    familiarity: float | None = None
     scores: dict[str, dict[str, float]] = {}
     commitment: Commitment | None = None
     schema: Literal["igrip/1"] = SCHEMA

@@ -1,4 +1,4 @@
-"""One moment of a camera: colour, depth where there is any, and how pixels relate to metres."""
+"""A frame of a camera: colour, depth if it has any, and the intrinsics of both."""
 
 from __future__ import annotations
 
@@ -12,12 +12,16 @@ Array = NDArray[np.float64]
 
 
 class Intrinsics(NamedTuple):
-    """A pinhole camera. The camera's frame: x to the right, y down, z ahead; pixel centres whole.
+    """A pinhole camera; its frame has x to the right, y down and z ahead.
+
+    Pixel centres have whole coordinates.
+
+    An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
 
     Attributes
     ----------
     width, height : int
-        Of the picture [pixels].
+        Size of the picture [pixels].
     fx, fy, cx, cy : float
         Focal lengths and principal point [pixels].
     """
@@ -35,7 +39,7 @@ class Intrinsics(NamedTuple):
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
 
     def scaled(self, width: int, height: int) -> Intrinsics:
-        """Return those of the same picture at another size."""
+        """Return the intrinsics of the same picture at another size."""
         a, b = width / self.width, height / self.height
         return Intrinsics(
             width, height, a * self.fx, b * self.fy,
@@ -58,7 +62,7 @@ class Intrinsics(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RgbdFrame:
-    """One moment of one camera: rectified pictures, one intrinsic matrix for both.
+    """One frame of one camera: rectified pictures with the same intrinsics.
 
     Attributes
     ----------
@@ -69,11 +73,11 @@ class RgbdFrame:
     depth : (h, w) float32, or None
         Along the optical axis, aligned to the colour picture [m]; 0 where nothing was measured.
     intrinsics : Intrinsics
-        Of both.
+        Of both pictures.
     camera : str
-        Which camera, where there are several.
+        Name of the camera.
     world_from_camera : (4, 4)
-        Where the camera stands; by default the world is the camera's own frame.
+        Pose of the camera; by default the world is the camera's own frame.
     """
 
     t: float

@@ -32,6 +32,26 @@ RENAMED: Mapping[str, Mapping[str, str]] = {
         "lease": "lease_duration", "resume": "max_pause", "rest": "veto_rest_duration",
         "reach": "holding_distance", "leave": "release_margin",
     },
+    "DepthOptions": {
+        "misfit": "max_misfit", "nearest": "min_depth", "farthest": "max_depth",
+        "every": "search_interval", "base": "tolerance",
+    },
+    "TagsOptions": {"lasting": "max_pose_age", "missing": "missing_after"},
+    "CosyPoseOptions": {"least": "min_score", "patience": "timeout", "missing": "missing_after"},
+    "MediaPipeConfig": {
+        "hands": "max_hands", "detection": "min_detection", "presence": "min_presence",
+        "views": "tiles", "every": "search_every",
+    },
+    "PalmConfig": {
+        "pixels": "min_pixels", "share": "min_share", "smallest": "min_length",
+        "largest": "max_length", "grain": "correlation", "least": "min_std",
+    },
+    "CalibrationConfig": {
+        "views": "max_views", "tags": "min_tags", "worst": "max_error", "still": "max_motion",
+        "doubt": "min_ratio",
+    },
+    "LayoutConfig": {"apart": "min_gap"},
+    "StereoNoise": {"nearest": "min_depth", "farthest": "max_depth", "grazing": "min_cosine"},
 }  # fmt: skip
 """Keys of earlier versions by class: an old one raises an error that names the new one."""
 

@@ -196,12 +196,13 @@ class Tracker:
             if track is None:
                 if pose.model is None:
                     raise ObservationError(
-                        f"objects.{id:.80}.model", "is needed when an object first appears"
+                        f"objects.{id:.80}.model", "is needed when an object first appears", id
                     )
             elif pose.model not in (None, track.model_name):
                 raise ObservationError(
                     f"objects.{id:.80}.model",
                     f"is {pose.model!r:.80}, but the id is bound to {track.model_name!r:.80}",
+                    id,
                 )
 
     def _object(self, id: str, pose: ObjectPose, message: Observation) -> ObjectTrack | None:

@@ -15,6 +15,7 @@ import trimesh
 
 from datasets import MESH
 from igrip import Observation
+from igrip.cli.app import COMMANDS
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings.jsonl import JsonlWriter
 
@@ -31,21 +32,7 @@ def igrip(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]
     return done
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "bench",
-        "demo",
-        "doctor",
-        "evaluate",
-        "grips",
-        "import",
-        "replay",
-        "schema",
-        "simulate",
-        "view",
-    ],
-)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_help_has_an_example(command: str) -> None:
     assert f"Example: igrip {command}" in igrip(command, "--help").stdout
 
@@ -56,7 +43,7 @@ def test_demo_headless() -> None:
     assert result["targets_right"] >= 12
 
 
-def test_demo_says_each_reach_where_there_is_no_terminal() -> None:
+def test_demo_prints_each_reach_without_a_terminal() -> None:
     lines = igrip("demo", "--headless", "--speed", 0, "--duration", 8).stdout.splitlines()
     assert len(lines) == 3
     assert lines[-1].startswith("2 reaches: ")
@@ -76,7 +63,7 @@ def test_schemas_in_the_docs_are_those_of_the_code() -> None:
 
 
 def test_replay_of_a_dataset(small_dataset: Dataset, tmp_path: Path) -> None:
-    out = tmp_path / "said.jsonl"
+    out = tmp_path / "intentions.jsonl"
     done = igrip(
         "replay", small_dataset.path, "--targets", "distance", "--targets", "paper", "--json",
         "--out", out,
@@ -86,8 +73,8 @@ def test_replay_of_a_dataset(small_dataset: Dataset, tmp_path: Path) -> None:
     assert rows["distance", "all"]["success"] == 1.0
     assert rows["distance", "near"]["trials"] == rows["distance", "far"]["trials"] == 1
     assert set(rows["paper", "all"]) >= {"accuracy_40%", "accuracy_60%", "delay_s", "margin_s"}
-    said = [json.loads(line) for line in out.read_text().splitlines()]
-    assert {line["hand"] for line in said} == {"right"}
+    intentions = [json.loads(line) for line in out.read_text().splitlines()]
+    assert {line["hand"] for line in intentions} == {"right"}
     table = igrip("replay", small_dataset.path, "--targets", "distance").stdout
     assert "right at 40%" in table
     assert "100.0 %" in table
@@ -119,10 +106,10 @@ def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
     assert "Traceback" not in stderr
 
 
-def test_import_needs_tables_it_knows(tmp_path: Path) -> None:
+def test_import_of_unknown_tables_is_refused(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("a,b\n1,2\n")
     done = igrip("import", tmp_path / "t.csv", "--out", tmp_path / "d", code=2)
-    assert "no importer recognises these tables (known: wispinski2021)" in done.stderr
+    assert "no importer recognises these files (known: wispinski2021)" in done.stderr
     assert not (tmp_path / "d").exists()
 
 
@@ -153,12 +140,14 @@ def test_names_from_outside_are_shown_as_they_are(tmp_path: Path) -> None:
     assert "[/]" in shown.replace("[red]le/ft[/]", "")
 
 
-def test_a_mesh_in_millimetres_says_what_to_write(tmp_path: Path, small_dataset: Dataset) -> None:
+def test_the_error_for_a_mesh_in_millimetres_names_the_setting(
+    tmp_path: Path, small_dataset: Dataset
+) -> None:
     (tmp_path / "meshes").mkdir()
     trimesh.creation.box((70.0, 70.0, 200.0)).export(tmp_path / "meshes" / "carton.stl")
     recording = small_dataset.recording(small_dataset.trials[0])
-    said = igrip("replay", recording, "--objects", tmp_path / "meshes", code=2).stderr
-    assert '[carton]\nunit = "mm"' in said
+    stderr = igrip("replay", recording, "--objects", tmp_path / "meshes", code=2).stderr
+    assert '[carton]\nunit = "mm"' in stderr
 
 
 def test_help_keeps_its_units() -> None:
@@ -168,21 +157,21 @@ def test_help_keeps_its_units() -> None:
 def test_json_is_json(tmp_path: Path) -> None:
     path = tmp_path / "far.jsonl"
     path.write_text('{"t": 0, "hands": {"right": {"position": [1e300, 0, 0]}}}\n')
-    told = json.loads(igrip("replay", path, "--json").stdout, parse_constant=pytest.fail)
-    assert told["inputs"]["hands"]["right"]["age"] is None
+    summary = json.loads(igrip("replay", path, "--json").stdout, parse_constant=pytest.fail)
+    assert summary["inputs"]["hands"]["right"]["age"] is None
 
 
 @pytest.mark.parametrize("option", ["--jobs=-1", "--limit=-1"])
 def test_negative_numbers_are_refused(small_dataset: Dataset, option: str) -> None:
-    said = igrip("replay", small_dataset.path, option, code=2).stderr
-    assert "greater than or equal to 0" in said
+    stderr = igrip("replay", small_dataset.path, option, code=2).stderr
+    assert "greater than or equal to 0" in stderr
 
 
-def test_grips_says_and_draws_the_borders(tmp_path: Path) -> None:
+def test_grips_prints_and_draws_the_borders(tmp_path: Path) -> None:
     out = tmp_path / "figure2.svg"
-    told = json.loads(igrip("grips", "--json", "--out", out).stdout)
+    report = json.loads(igrip("grips", "--json", "--out", out).stdout)
     # 0.85 of half the length of the longest edge: extents of 213, 102, 191 and (tilted) 254 mm
-    border = told["border_m"]
+    border = report["border_m"]
     assert border["003_cracker_box"] == pytest.approx(0.85 * 0.5 * 0.2138, abs=2e-4)
     assert border["005_tomato_soup_can"] == pytest.approx(0.85 * 0.5 * 0.102, abs=2e-4)
     assert border["006_mustard_bottle"] == pytest.approx(0.85 * 0.5 * 0.1914, abs=2e-4)
@@ -192,10 +181,14 @@ def test_grips_says_and_draws_the_borders(tmp_path: Path) -> None:
 
 def test_bench_of_a_few_frames() -> None:
     options = ("--frames", 20, "--runs", 1, "--plain-frames", 0, "--cadence", 1)
-    told = json.loads(igrip("bench", *options, "--memory-frames", 100, "--json").stdout)
-    assert told["peers"]["ratios"]["update / embreex, rays alone"] > 0
-    assert [row["case"] for row in told["growth"]["objects"]] == [1, 4, 20, 100]
-    assert told["memory"]["frames"] == 100
+    report = json.loads(igrip("bench", *options, "--memory-frames", 100, "--json").stdout)
+    assert report["peers"]["ratios"]["update with bayes / with paper"] > 0
+    assert [row["case"] for row in report["growth"]["objects"]] == [4, 100]
+    assert report["memory"]["frames"] == 100
+    assert set(report["cadence_30_hz"]) == {"p50_ms", "p99_ms"}
+    lines = igrip("bench", *options).stdout
+    assert "igrip, update at a real 30 Hz" in lines
+    assert "100 objects / 4 objects: " in lines
 
 
 def visit(*arguments: object) -> str:
@@ -230,7 +223,7 @@ def test_grips_as_a_page() -> None:
     assert "<html" in visit("grips", "--page", "--port", 8492)
 
 
-def test_view_of_what_is_not_there(small_dataset: Dataset, tmp_path: Path) -> None:
+def test_view_of_missing_things_is_refused(small_dataset: Dataset, tmp_path: Path) -> None:
     assert "no such file" in igrip("view", tmp_path / "none.jsonl", code=2).stderr
     assert (
         "trials, so none number 99"
@@ -247,11 +240,19 @@ def test_view_of_what_is_not_there(small_dataset: Dataset, tmp_path: Path) -> No
 
 def test_simulate_and_evaluate(tmp_path: Path) -> None:
     options = ("--participants", 2, "--trials", 2, "--no-reach", 1)
-    told = json.loads(igrip("simulate", tmp_path / "set", *options, "--json").stdout)
-    assert told["recordings"] == 9
+    summary = json.loads(igrip("simulate", tmp_path / "set", *options, "--json").stdout)
+    assert summary["recordings"] == 9
     done = igrip("evaluate", tmp_path / "set", "--out", tmp_path / "report", "--targets", "paper")
     assert "reaches valid" in done.stdout
     assert (tmp_path / "report" / "report.html").is_file()
+    report = json.loads((tmp_path / "report" / "summary.json").read_text())
+    evaluated = report["targets"]["paper"]["all"]
+    replay = json.loads(igrip("replay", tmp_path / "set", "--targets", "paper", "--json").stdout)
+    [replayed] = replay["results"]  # the same numbers
+    for key in ("trials", "success", "delay_s", "delay_clipped_s", "margin_s"):
+        assert replayed[key] == evaluated[key]
+    for part in ("40%", "60%"):
+        assert replayed[f"accuracy_{part}"] == evaluated["accuracy"][part]
     next((tmp_path / "set" / "recordings").iterdir()).unlink()
     again = igrip(
         "evaluate", tmp_path / "set", "--out", tmp_path / "other", "--targets", "distance",

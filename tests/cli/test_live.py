@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import json
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -15,8 +16,15 @@ import igrip
 def live(*options):
     return subprocess.run(
         [sys.executable, "-m", "igrip", "live", *options], capture_output=True, text=True,
-        timeout=240, check=False,
+        timeout=290, check=False,
     )  # fmt: skip
+
+
+def recorded(path):
+    """Return the ids of the objects that were recorded so far."""
+    lines = path.read_text().splitlines()[:-1] if path.exists() else []
+    objects = [json.loads(line).get("objects", {}) for line in lines]
+    return {id for one in objects for id, pose in one.items() if pose is not None}
 
 
 def test_help_has_an_example():
@@ -43,22 +51,29 @@ def test_what_would_mix_places_or_times_is_refused(camera, words):
     assert words in done.stderr
 
 
-def test_objects_of_a_rendered_camera_are_seen_recorded_and_replayed(tmp_path):
+def test_objects_of_a_rendered_camera_are_found_recorded_and_replayed(tmp_path):
     out = tmp_path / "live.jsonl"
-    done = live(
-        "--camera", "rendered:3", "--hands", "none", "--headless", "--seconds", "4", "--json",
-        "--out", str(out),
+    process = subprocess.Popen(
+        [sys.executable, "-m", "igrip", "live", "--camera", "rendered:3", "--hands", "none",
+         "--headless", "--json", "--out", str(out)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    report = json.loads(done.stdout)
+    with process:
+        end = time.monotonic() + 240.0
+        while len(recorded(out)) < 4:
+            assert process.poll() is None, process.stderr.read()
+            assert time.monotonic() < end
+            time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        report = json.loads(process.stdout.read())
+    assert process.returncode == 0
     stage = report["stages"]["rendered: objects"]
-    assert stage["count"] >= 3
+    assert stage["count"] >= 1
     assert stage["failed"] == 0
     messages = list(igrip.open_source(out))
-    seen = {id for m in messages for id, pose in m.objects.items() if pose is not None}
-    assert len(seen) == 4
-    gaps = [b.t - a.t for a, b in itertools.pairwise(messages)]
-    assert max(gaps) < 1.0  # ticks in between
+    updates = report["inputs"]["counts"]["messages"]
+    assert updates in (len(messages), len(messages) - 1)  # it was interrupted at any moment
+    assert any(not message.objects and not message.hands for message in messages)  # ticks
     again = subprocess.run(
         [sys.executable, "-m", "igrip", "replay", str(out)], capture_output=True, text=True,
         timeout=120, check=False,

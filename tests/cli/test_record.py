@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,8 +14,9 @@ import pytest
 from board_pictures import looking_at, see
 from igrip.cli import main
 from igrip.errors import RecordingError
-from igrip.io.recordings.files import open_recording, open_writer
-from igrip.io.recordings.mcap_writer import McapReader, McapWriter
+from igrip.io.mcap.reader import McapReader
+from igrip.io.mcap.writer import McapWriter
+from igrip.io.recordings import open_source, open_writer
 from igrip.perception.calibration.board import Board
 from igrip.perception.cameras import open_camera
 from rgbd_frames import frame
@@ -59,12 +61,13 @@ def test_record_for_some_seconds(tmp_path, recording):
     out = tmp_path / "new.mcap"
     done = igrip("record", "--camera", f"replay:{recording}?loop=1", "--out", out, "--seconds", 1.5)
     assert f"{out}: " in done.stdout
-    assert "0 dropped" in done.stdout
     reader = McapReader(out)
-    times = [one.t for one in reader.frames()]
+    count = len(list(reader.frames()))
     assert reader.cut is None
-    assert 45 <= len(times) <= 46
-    assert f"{len(times)} frames, 1.5 s, 30.0 Hz" in done.stdout
+    summary = re.search(r"(\d+) frames, 1.5 s, 30.0 Hz, .* MB, (\d+) dropped", done.stdout)
+    written, dropped = map(int, summary.groups())
+    assert written == count
+    assert 45 <= written + dropped <= 46  # a busy machine may drop some
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
@@ -139,7 +142,7 @@ def test_replaying_mcap_and_jsonl_gives_the_same_lines(
 ):
     path = small_dataset.recording(small_dataset.trials[0])
     with open_writer(tmp_path / "reach.mcap") as file:
-        for observation in open_recording(path):
+        for observation in open_source(path):
             file.write(observation)
     for source, out in ((path, "a.jsonl"), (tmp_path / "reach.mcap", "b.mcap")):
         run(monkeypatch, capsys, 0, "replay", source, "--targets", "paper", "--out", tmp_path / out,

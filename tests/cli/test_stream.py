@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
+import re
+import signal
 import socket
 import subprocess
 import sys
+import urllib.request
 
 import pytest
 
@@ -60,9 +64,52 @@ def test_a_reader_that_goes_away_is_no_crash(tmp_path):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("option", ["--reliability=2", "--in=carrier-pigeon", "--targets=nobody"])
-def test_what_is_not_known_is_refused_in_words(option):
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("--reliability=2", "--reliability"),
+        ("--in=carrier-pigeon", "no input is named 'carrier-pigeon'; there are: stdin, ws"),
+        ("--out=carrier-pigeon", "no output is named 'carrier-pigeon'; there are: lsl, stdout, ws"),
+        ("--targets=nobody", "nobody"),
+        ("--senders-clock", "--in stdin alone"),
+    ],
+)
+def test_unknown_options_are_refused_with_the_choices(option, message):
     done = stream(option)
-    assert done.returncode != 0
+    assert done.returncode == 2
     assert "Traceback" not in done.stderr
-    assert done.stderr
+    assert message in done.stderr
+
+
+def test_lines_that_nobody_reads_are_counted_at_the_end():
+    process = subprocess.Popen(
+        [sys.executable, "-m", "igrip", "stream", "--in", "stdin", "--in", "ws", "--port", "0",
+         "--out", "stdout"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    with process:
+        address = next(line for line in process.stderr if line.startswith(b"ws://")).decode()
+        sent = 0
+
+        def intentions():
+            with urllib.request.urlopen(f"http{address.strip()[2:]}/status", timeout=60) as answer:
+                return json.load(answer)["intentions"]
+
+        while intentions() < 1500:  # many times what the pipe holds
+            for _ in range(100):
+                hands = {"right": {"position": [0.001 * sent, 0.0, 0.0]}}
+                process.stdin.write(json.dumps({"t": sent / 30, "hands": hands}).encode() + b"\n")
+                sent += 1
+            process.stdin.flush()
+        process.send_signal(signal.SIGINT)
+        report = process.stderr.read().decode()  # the pipe of standard output stays full
+        lines = process.stdout.read().count(b"\n")
+    assert process.returncode == 0
+    assert "Traceback" not in report
+    total, written, lost = (
+        int(re.search(pattern, report)[1])
+        for pattern in (r"(\d+) intentions", r"stdout: (\d+) sent", r"sent, (\d+) lost")
+    )
+    assert written == lines
+    assert written + lost == total
+    assert lost > 0

@@ -15,10 +15,12 @@ import pytest
 
 import igrip
 from browser import needs_chromium, open_page
-from igrip.runtime.access import Access
-from igrip.runtime.service import Service
-from igrip.runtime.websocket import WebSocketServer
-from support import BOX, UPRIGHT
+from igrip.runtime.clock_sync import ArrivalClock
+from igrip.runtime.inputs import INPUTS
+from igrip.runtime.loop import Loop
+from igrip.runtime.options import Options
+from igrip.runtime.outputs import OUTPUTS
+from runtime_fakes import Clock, Collector, reach
 
 CLIENTS = Path(__file__).parents[2] / "docs" / "clients"
 LEASE = {"target": "cup", "grip": "palmar", "since": 0.0, "valid_until": 1.0}
@@ -57,10 +59,10 @@ def test_python():
     now = [0.0]
     lease = module.Lease(lambda: now[0])
     assert not lease.permits()
-    lease.take({"error": "hand: is not known", "field": "hand", "count": 1})
+    lease.update({"error": "hand: is not known", "field": "hand", "count": 1})
     for t, told, expected in STORY:
         now[0] = t
-        lease.take(told)
+        lease.update(told)
         found = []
         for wait in WAITS:
             now[0] = t + wait
@@ -73,7 +75,7 @@ def test_c(tmp_path):
     if compiler is None:
         pytest.skip("no C compiler (make system)")
     steps = "\n".join(
-        f'lease_take(&l, "{m["session"]}", {m["seq"]}, {m["sent"]}, '
+        f'lease_update(&l, "{m["session"]}", {m["seq"]}, {m["sent"]}, '
         f"{m['valid_for'] or 0.0}, {t});"
         f'printf("%d%d%d\\n", {", ".join(f"lease_permits(&l, {t} + {w})" for w in WAITS)});'
         for t, m, _ in STORY
@@ -104,7 +106,7 @@ def test_javascript():
                 const lease = new Lease(() => now);
                 return story.map(([t, told]) => {{
                     now = t;
-                    lease.take(told);
+                    lease.update(told);
                     return waits.map(wait => {{ now = t + wait; return lease.permits(); }});
                 }});
             }}""",
@@ -137,25 +139,22 @@ class SilentHandler(SimpleHTTPRequestHandler):
 @needs_chromium
 def test_a_page_follows_a_real_lease(shapes, own_page):
     """A browser's own WebSocket, the rule, a reach, and silence at its end."""
-    commitment = igrip.Config().commitment.model_copy(update={"reliability": 0.0})
-    config = igrip.Config(targets="paper", commitment=commitment)
-    pose = {"model": BOX, "position": [0.3, 0.0, 0.0], "orientation": UPRIGHT}
-    story = [
-        {"t": k / 30.0, "hands": {"right": {"position": [0.01 * k, 0.002 * (k % 3), 0.0]}},
-         "objects": {"box": pose}}
-        for k in range(26)
-    ]  # fmt: skip
-    warm = igrip.Estimator(shapes, config)  # compiled and read now, not while messages wait
-    for one in story:
-        warm.update(igrip.Observation(**one))
-    service = Service(igrip.Estimator(shapes, config))
-    server = WebSocketServer(
-        "127.0.0.1", 0, Access("127.0.0.1"), service.take, service.inbox.count, service.status
-    )
-    service.outputs.append(server)
-    working = threading.Thread(target=service.run, daemon=True)
-    working.start()
-    try:
+    config = igrip.Config(targets="paper", commitment={"reliability": 0.0})
+    story = [json.loads(message.to_json()) for message in reach(40)]
+    options, output = Options(port=0), Collector()
+    clock = Clock()
+
+    def pass_time(envelope):
+        clock.t += 1.0 / 30.0
+
+    output.send = pass_time  # before the page gets the intention, and sends its next message
+    loop = Loop(
+        igrip.Estimator(shapes, config), ArrivalClock(clock=clock),
+        {"ws": INPUTS.get("ws")(options)}, {"clock": output, "ws": OUTPUTS.get("ws")(options)},
+    )  # fmt: skip
+    working = threading.Thread(target=loop.run, daemon=True)
+    with loop:
+        working.start()
         with open_page("about:blank") as page:
             page.goto(own_page)  # a page of this machine; others may not connect
             during, after = page.evaluate(
@@ -166,24 +165,26 @@ def test_a_page_follows_a_real_lease(shapes, own_page):
                         socket.onopen = () => done(socket);
                         socket.onerror = failed;
                     }});
-                    const wait = ms => new Promise(done => setTimeout(done, ms));
                     const lease = new Lease();
                     const out = await open("/intentions"), source = await open("/observations");
-                    out.onmessage = event => lease.take(JSON.parse(event.data));
+                    const answer = () => new Promise(done => {{
+                        out.onmessage = event => {{
+                            lease.update(JSON.parse(event.data));
+                            done(lease.permits());
+                        }};
+                    }});
                     let during = 0;
                     for (const message of story) {{
+                        const permitted = answer();
                         source.send(JSON.stringify(message));
-                        await wait(33);
-                        during += lease.permits();
+                        during += await permitted;
                     }}
-                    await wait(300);
+                    await new Promise(done => setTimeout(done, 300));
                     return [during, lease.permits()];
                 }}""",
-                [f"ws://127.0.0.1:{server.port}", json.loads(json.dumps(story))],
+                [f"ws://127.0.0.1:{options.shared['websocket'].port}", story],
             )
-    finally:
-        service.inbox.close()
-        working.join(5.0)
-        server.close()
+        loop.finish()
+        working.join(60.0)
     assert during > 5
     assert after is False

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from igrip.geometry.cylinder import Cylinders
 from igrip.geometry.scene import PlacedObject, RayConfig, Scene
 from support import BOX, CAN
 
@@ -49,3 +50,18 @@ def at_rest():
 
     still = motion()
     return still._replace(future=np.zeros((10, 3)), future_velocity=np.zeros((10, 3)))
+
+
+def test_distance_from_a_cylinder():
+    """Beside, beyond and inside a cylinder of radius 3 cm and half-length 10 cm along x."""
+    one = Cylinders.of(
+        np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0]]), np.array([0.1]), np.array([0.03]),
+        np.zeros((1, 3)),
+    )  # fmt: skip
+    cases = [
+        ([0.05, 0.0, 0.08], 0.05), ([0.16, 0.0, 0.01], 0.06), ([0.13, 0.07, 0.0], 0.05),
+        ([0.05, 0.01, 0.01], 0.0),
+    ]  # fmt: skip
+    for point, distance in cases:
+        assert one.distance(0, np.array(point)) == pytest.approx(distance)
+    assert one.one(0).rows.tolist() == one.rows.tolist()

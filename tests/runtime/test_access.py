@@ -39,8 +39,8 @@ def test_a_token_that_can_be_guessed_is_refused():
 )
 def test_pages_of_elsewhere_do_not_get_in_through_the_browser(origin):
     assert Access("127.0.0.1").refusal("/observations", {"Origin": origin}) is not None
-    told = {"Origin": origin, "Authorization": f"Bearer {TOKEN}"}
-    assert Access("127.0.0.1", TOKEN).refusal("/observations", told) is None
+    headers = {"Origin": origin, "Authorization": f"Bearer {TOKEN}"}
+    assert Access("127.0.0.1", TOKEN).refusal("/observations", headers) is None
 
 
 @pytest.mark.parametrize("origin", ["http://localhost:3000", "http://127.0.0.1", "http://[::1]:8"])

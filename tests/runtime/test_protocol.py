@@ -1,9 +1,10 @@
-"""What producers send, taken apart, whatever it is."""
+"""Decoding of messages, whatever they are."""
 
 from __future__ import annotations
 
 import contextlib
 import json
+from unittest import mock
 
 import msgspec
 import pytest
@@ -11,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from igrip.errors import ObservationError
+from igrip.estimator import Estimator
 from igrip.observation import Observation
-from igrip.runtime.protocol import LARGEST, Command, decode
+from igrip.runtime.protocol import MAX_SIZE, Command, decode
 
 MESSAGE = {"t": 1.5, "hands": {"right": {"position": [0.1, 0.2, 0.3]}}}
 
@@ -23,9 +25,16 @@ def test_json_as_text_and_bytes_and_messagepack_are_the_same():
     assert decode(packed) == decode(text) == decode(text.encode()) == Observation(**MESSAGE)
 
 
-@pytest.mark.parametrize("word", ["veto", "confirm", "opened"])
-def test_words_about_a_lease(word):
-    assert decode(json.dumps({"control": word, "hand": "left"})) == Command(word, "left")
+@pytest.mark.parametrize(
+    ("action", "method"),
+    [("veto", "veto"), ("confirm", "confirm"), ("opened", "notify_released")],
+)
+def test_commands_and_the_methods_that_they_call(action, method):
+    command = decode(json.dumps({"control": action, "hand": "left"}))
+    assert command == Command(action, "left")
+    estimator = mock.create_autospec(Estimator, instance=True)
+    assert command.apply(estimator) is getattr(estimator, method).return_value
+    assert estimator.mock_calls == [getattr(mock.call, method)("left")]
 
 
 @pytest.mark.parametrize(
@@ -44,10 +53,10 @@ def test_words_about_a_lease(word):
         (b"\xff\xfe", "message"),
         ("", "message"),
         ("null", "message"),
-        (" " * (LARGEST + 1), "message"),
+        (" " * (MAX_SIZE + 1), "message"),
     ],
 )
-def test_what_is_malformed_names_the_place(data, field):
+def test_malformed_messages_name_the_field(data, field):
     with pytest.raises(ObservationError) as caught:
         decode(data)
     assert caught.value.field == field

@@ -1,13 +1,11 @@
-"""The server, with real clients on loopback."""
+"""The server, with real clients on loopback; time is that of the test."""
 
 from __future__ import annotations
 
-import functools
+import gc
 import json
 import random
-import socket
 import threading
-import time
 import urllib.request
 
 import msgspec
@@ -16,51 +14,22 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import igrip
-from igrip.runtime.access import Access
-from igrip.runtime.protocol import LARGEST
-from igrip.runtime.service import Service
-from igrip.runtime.websocket import BEHIND, TRY_LATER, WebSocketServer
+from igrip.intention import Intention
+from igrip.runtime.clock_sync import ArrivalClock
+from igrip.runtime.envelope import Sequencer
+from igrip.runtime.inputs import INPUTS
+from igrip.runtime.loop import Loop
+from igrip.runtime.options import Options
+from igrip.runtime.outputs import OUTPUTS
+from igrip.runtime.protocol import MAX_SIZE
+from igrip.runtime.websocket import MAX_BEHIND, TRY_LATER, _Client
 from mutate import garbled
+from runtime_fakes import PATIENCE, Clock, until
 from support import BOX, UPRIGHT
 
 AT_SENDING = {"age": 0, "valid_for": 0, "sent": 0}
 TOKEN = "sixteen-characters-or-more"
 POSE = {"model": BOX, "position": [0.3, 0.0, 0.0], "orientation": UPRIGHT}
-
-
-class Running:
-    """A service at work in threads of this process."""
-
-    def __init__(self, catalog, token=None, assisted=("*",)):
-        config = igrip.Config(targets="paper", commitment={"assisted": assisted, "reliability": 0})
-        self.service = Service(igrip.Estimator(catalog, config))
-        self.server = WebSocketServer(
-            "127.0.0.1", 0, Access("127.0.0.1", token), self.service.take,
-            self.service.inbox.count, self.service.status,
-        )  # fmt: skip
-        self.service.outputs.append(self.server)
-        self.service.answer = self.server.answer
-        self.thread = threading.Thread(target=self.service.run, args=(0.05,), daemon=True)
-        self.thread.start()
-
-    def address(self, path):
-        return f"ws://127.0.0.1:{self.server.port}{path}"
-
-    def client(self, path, **options):
-        return connect(self.address(path), compression=None, **options)
-
-    def close(self):
-        self.service.inbox.close()
-        self.thread.join(5.0)
-        self.server.close()
-        assert not self.thread.is_alive()
-
-
-@pytest.fixture
-def running(shapes):
-    one = Running(shapes)
-    yield one
-    one.close()
 
 
 def observation(k, t=None):
@@ -71,83 +40,164 @@ def observation(k, t=None):
     }  # fmt: skip
 
 
-def until(condition, seconds=10.0):
-    """Wait for something; it is a failure if it does not come."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
+def receive(client):
+    return json.loads(client.recv(timeout=PATIENCE))
+
+
+class Running:
+    """A loop at work in threads of this process, on a clock that the test sets."""
+
+    def __init__(self, catalog, token=None, assisted=("*",), observations=True, works=True):
+        config = igrip.Config(targets="paper", commitment={"assisted": assisted, "reliability": 0})
+        self.clock, self.updates = Clock(), 0
+        options = Options(port=0, token=token)
+        self.loop = Loop(
+            igrip.Estimator(catalog, config), ArrivalClock(clock=self.clock),
+            {"ws": INPUTS.get("ws")(options)} if observations else {},
+            {"ws": OUTPUTS.get("ws")(options)},
+        )  # fmt: skip
+        self.server = options.shared["websocket"]
+        self.loop.__enter__()
+        self.thread = threading.Thread(target=self.loop.run, args=(self._updated,), daemon=True)
+        if works:
+            self.thread.start()
+
+    def _updated(self, intentions):
+        self.updates += 1
+
+    def client(self, path, **options):
+        return connect(f"ws://127.0.0.1:{self.server.port}{path}", compression=None, **options)
+
+    def listener(self, path="/intentions"):
+        """Return a client that is among those that intentions go to."""
+        before = self.server.counts()["clients"]
+        client = self.client(path)
+        until(lambda: self.server.counts()["clients"] > before)
+        return client
+
+    def pass_time(self, seconds):
+        """Let time pass, and wait for the tick that notices it."""
+        before = self.updates
+        self.clock.t += seconds
+        until(lambda: self.updates > before)
+
+    def feed(self, source, k, encode=json.dumps):
+        """Send an observation a thirtieth of a second after the last, and wait for its update."""
+        before = self.updates
+        self.clock.t += 1.0 / 30.0
+        source.send(encode(observation(k)))
+        until(lambda: self.updates > before)
+
+    def close(self):
+        self.loop.finish()
+        if self.thread.ident is not None:
+            self.thread.join(PATIENCE)
+            assert not self.thread.is_alive()
+        self.loop.__exit__()
+
+
+@pytest.fixture
+def running(shapes):
+    one = Running(shapes)
+    yield one
+    one.close()
+
+
+def incoming(running):
+    return running.loop._queue.report()
 
 
 def test_observations_in_intentions_out_as_json_and_messagepack(running):
     with (
-        running.client("/intentions") as plain,
-        running.client("/intentions?format=msgpack") as packed,
+        running.listener() as plain,
+        running.listener("/intentions?format=msgpack") as packed,
         running.client("/observations") as source,
     ):
-        until(lambda: running.server.counts()["clients"] == 2)
         for k in range(30):
-            form = json.dumps if k % 2 else msgspec.msgpack.encode
-            source.send(form(observation(k)))
-            time.sleep(1.0 / 60.0)
-        texts = [plain.recv(timeout=5) for _ in range(30)]
+            running.feed(source, k, json.dumps if k % 2 else msgspec.msgpack.encode)
+        texts = [plain.recv(timeout=PATIENCE) for _ in range(30)]
         assert all(isinstance(text, str) for text in texts)  # a browser makes a blob of bytes
-        seen = [json.loads(text) for text in texts]
-        same = [msgspec.msgpack.decode(packed.recv(timeout=5)) for _ in range(30)]
-    assert [i["seq"] for i in seen] == list(range(seen[0]["seq"], seen[0]["seq"] + 30))
-    assert {i["session"] for i in seen + same} == {running.service.numbering.session}
-    for a, b in zip(seen, same, strict=True):
+        messages = [json.loads(text) for text in texts]
+        same = [msgspec.msgpack.decode(packed.recv(timeout=PATIENCE)) for _ in range(30)]
+    assert [message["seq"] for message in messages] == list(range(1, 31))
+    assert {message["session"] for message in messages + same} == {running.loop.session}
+    for a, b in zip(messages, same, strict=True):
         assert {**a, **AT_SENDING} == {**b, **AT_SENDING}
-        assert 0.0 <= a["age"] < 5.0
-    assert seen[-1]["target"] == "box"
-    assert seen[-1]["schema"] == "igrip/1"
+        assert a["age"] >= 0.0
+    assert messages[-1]["target"] == "box"
+    assert messages[-1]["schema"] == "igrip/1"
 
 
-def test_a_lease_comes_with_how_long_it_holds(shapes):
-    one = Running(shapes)
+def test_a_lease_comes_with_how_long_it_holds(running):
+    granted = []
+    with running.listener() as out, running.client("/observations") as source:
+        for k in range(60):
+            running.feed(source, k)
+            message = receive(out)
+            if message["commitment"]:
+                granted.append(message["valid_for"])
+            else:
+                assert message["valid_for"] is None
+    assert len(granted) > 5
+    assert granted == pytest.approx([0.15] * len(granted), abs=0.002)  # less a drift of the clock
+
+
+def test_silence_is_noticed(running):
+    with running.listener() as out, running.client("/observations") as source:
+        for k in range(8):
+            running.feed(source, k)
+        for _ in range(8):
+            assert receive(out)["status"] != "lost"
+        for _ in range(10):
+            running.pass_time(0.051)
+        assert receive(out)["status"] == "lost"
+
+
+def test_commands_reach_the_estimator_on_both_paths(running):
+    calls = []
+
+    def method(name):
+        def call(hand):
+            calls.append((name, hand))
+            return []
+
+        return call
+
+    for name in ("veto", "confirm", "notify_released"):
+        setattr(running.loop.estimator, name, method(name))
+    with running.client("/intentions") as out, running.client("/observations") as source:
+        out.send(json.dumps({"control": "veto", "hand": "right"}))
+        until(lambda: len(calls) == 1)
+        source.send(json.dumps({"control": "confirm", "hand": "left"}))
+        until(lambda: len(calls) == 2)
+        out.send(json.dumps({"control": "opened"}))
+        until(lambda: len(calls) == 3)
+    assert calls == [("veto", "right"), ("confirm", "left"), ("notify_released", None)]
+
+
+@pytest.mark.parametrize("observations", [True, False])
+def test_observations_are_refused_where_intentions_go_out(shapes, observations):
+    one = Running(shapes, observations=observations)
     try:
-        with one.client("/intentions") as out, one.client("/observations") as source:
-            until(lambda: one.server.counts()["clients"] == 1)
-            granted = []
-            for k in range(60):
-                source.send(json.dumps(observation(k)))
-                time.sleep(1.0 / 60.0)
-            while len(granted) < 5:
-                said = json.loads(out.recv(timeout=5))
-                if said["commitment"]:
-                    granted.append(said["valid_for"])
-                else:
-                    assert said["valid_for"] is None
-            assert all(0.0 < left <= 0.15 for left in granted)
+        with one.listener() as out:
+            out.send(json.dumps(observation(1)))
+            assert "not accepted" in receive(out)["error"]
+            out.send(json.dumps({"control": "veto", "hand": "right"}))
+            until(lambda: incoming(one).get("veto"))
+        assert incoming(one) == {"received": 1, "refused": 1, "veto": 1, "waiting": 0}
+        assert one.loop.estimator.hands == {}
     finally:
         one.close()
 
 
-def test_silence_is_noticed(running):
-    with running.client("/intentions") as out, running.client("/observations") as source:
-        until(lambda: running.server.counts()["clients"] == 1)
-        for k in range(8):
-            source.send(json.dumps(observation(k)))
-            time.sleep(0.03)
-        said = [json.loads(out.recv(timeout=5)) for _ in range(9)]
-    assert said[-1]["status"] == "lost"
-
-
-def test_words_about_the_lease_reach_the_estimator(running):
-    heard = []
-
-    def hear(word, hand):
-        heard.append((word, hand))
-        return []
-
-    for word in ("veto", "confirm", "opened"):
-        setattr(running.service._estimator, word, functools.partial(hear, word))
-    with running.client("/intentions") as out, running.client("/observations") as source:
-        out.send(json.dumps({"control": "veto", "hand": "right"}))
-        until(lambda: len(heard) == 1)
-        source.send(json.dumps({"control": "confirm", "hand": "left"}))
-        until(lambda: len(heard) == 2)
-    assert heard == [("veto", "right"), ("confirm", "left")]
+def test_observations_have_no_path_where_they_are_no_input(shapes):
+    one = Running(shapes, observations=False)
+    try:
+        with pytest.raises(InvalidStatus) as caught:
+            one.client("/observations")
+        assert caught.value.response.status_code == 404
+    finally:
+        one.close()
 
 
 def test_without_the_token_nobody_gets_in(shapes):
@@ -174,174 +224,148 @@ def test_strange_requests_are_answered(running, path, origin, code):
     assert caught.value.response.status_code == code
 
 
-def test_status_tells_what_was_counted(running):
+def test_status_reports_the_counts(running):
     with running.client("/observations") as source:
         source.send("{")
-        told = json.loads(source.recv(timeout=5))
-        assert told["field"] == "message"
-        source.send(json.dumps(observation(1)))
+        assert receive(source)["field"] == "message"
+        running.feed(source, 1)
 
         def counted():
             url = f"http://127.0.0.1:{running.server.port}/status"
-            with urllib.request.urlopen(url, timeout=5) as answer:
+            with urllib.request.urlopen(url, timeout=PATIENCE) as answer:
                 status = json.load(answer)
-            return status and status["incoming"].get("malformed") == 1 and status["inputs"]["hands"]
+            return status["incoming"].get("malformed") == 1 and status["inputs"]["hands"]
 
         until(counted)
 
 
 def test_a_message_that_is_too_large_ends_its_sender_alone(running):
     with running.client("/observations") as source, running.client("/observations") as other:
-        source.send("x" * (LARGEST + 1))
+        source.send("x" * (MAX_SIZE + 1))
         with pytest.raises(ConnectionClosed) as caught:
-            source.recv(timeout=5)
+            source.recv(timeout=PATIENCE)
         assert caught.value.rcvd.code == 1009
-        other.send(json.dumps(observation(1)))
-        until(lambda: "right" in running.service._estimator.hands)
+        running.feed(other, 1)
+        assert "right" in running.loop.estimator.hands
+    until(lambda: incoming(running).get("too_large") == 1)
 
 
-def test_a_slow_client_is_dropped_and_told_and_the_others_are_not(running):
-    received = []
-    slow = running.client("/intentions", max_queue=1)
-    slow.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    good = running.client("/intentions")
+def test_a_client_that_is_too_slow_is_dropped_and_the_others_are_not(running):
+    slow = running.client("/intentions", max_queue=1, close_timeout=1)
+    good = running.listener()
     until(lambda: running.server.counts()["clients"] == 2)
-    stop = threading.Event()
-
-    def listen():
-        while not stop.is_set():
-            try:
-                received.append(json.loads(good.recv(timeout=0.2))["seq"])
-            except TimeoutError:
-                continue
-
-    listener = threading.Thread(target=listen)
-    listener.start()
-    sent = 0
+    sequencer, received = Sequencer(running.clock), []
+    large = Intention(t=0.0, hand="right", status="idle", reason="x" * 20_000)
     while running.server.counts().get("dropped_clients", 0) == 0:
-        running.service.take(igrip.Observation(**observation(sent, t=float(sent))))
-        sent += 1
-        time.sleep(0.001)
-        assert sent < 60_000
-    until(lambda: len(running.service.inbox) == 0)
-    time.sleep(0.3)
-    stop.set()
-    listener.join()
-    until(lambda: running.server.counts()["lost"] >= BEHIND)
-    assert received == list(range(received[0], received[0] + len(received)))  # not one is missing
-    assert last_words(slow) in (None, TRY_LATER)
+        running.server.send(sequencer.wrap(large, 0.0))
+        received.append(receive(good)["seq"])
+        assert len(received) < 60_000
+    assert received == list(range(1, len(received) + 1))  # not one is missing
+    until(lambda: running.server.counts()["lost"] >= MAX_BEHIND)
+    assert running.server.counts()["clients"] == 1
+    assert close_code(slow) in (None, TRY_LATER)
     good.close()
 
 
-def last_words(client):
-    """Return with which code a client was closed, once it has read what was left."""
+def close_code(client):
+    """Return the code that a client was closed with, once it has read the rest."""
     try:
         while True:
-            client.recv(timeout=20)
+            client.recv(timeout=PATIENCE)
     except ConnectionClosed as closed:
         return closed.rcvd and closed.rcvd.code
 
 
-def fuzz(running, count, seed):
-    """Send damaged messages from one client while another is served."""
-    rng = random.Random(seed)
-    good = running.client("/intentions")
-    source, bad = running.client("/observations"), running.client("/observations")
-    stop, seen = threading.Event(), []
-
-    def live():
-        k = 0
-        while not stop.is_set():
-            source.send(json.dumps(observation(k % 60)))
-            k += 1
-            time.sleep(1.0 / 30.0)
-
-    def listen():
-        while not stop.is_set():
-            try:
-                said = json.loads(good.recv(timeout=0.2))
-            except TimeoutError:
-                continue
-            if said["hand"] == "right":
-                seen.append(said["seq"])
-
-    def drain():
-        try:
-            for _ in bad:
-                pass
-        except ConnectionClosed:
-            pass
-
-    threads = [threading.Thread(target=f, daemon=True) for f in (live, listen, drain)]
-    for thread in threads:
-        thread.start()
+def test_damaged_messages_harm_nobody(running):
+    rng, count = random.Random(1), 5_000
+    good, source, bad = running.listener(), running.client("/observations"), None
+    answered = 0
     for k in range(count):
+        if bad is None:
+            bad = running.client("/observations")
+            threading.Thread(target=drain, args=(bad,), daemon=True).start()
         try:
             bad.send(garbled(json.dumps(observation(k)).encode(), rng))
         except ConnectionClosed:  # it may be refused, never crash
-            bad = running.client("/observations")
-            threading.Thread(target=drain, daemon=True).start()
-    time.sleep(0.5)
-    stop.set()
-    for thread in threads[:2]:
-        thread.join()
-    bad.close()
-    good.close()
-    source.close()
-    return seen
-
-
-def test_damaged_messages_harm_nobody(running):
-    seen = fuzz(running, 5_000, seed=1)
-    assert len(seen) > 5
+            bad = None
+        if k % 500 == 0:
+            running.feed(source, k)
+            answered += "seq" in receive(good)
+    for client in (bad, good, source):
+        if client is not None:
+            client.close()
+    assert answered == count / 500
     assert running.thread.is_alive()
-    assert running.service.inbox.counts["malformed"] > 1000
+    assert incoming(running)["malformed"] > 1000
 
 
-def test_a_veto_is_told_at_once_and_overtakes_what_waits(shapes):
-    one = Running(shapes)
-    told = []
+def drain(client):
     try:
-        with one.client("/intentions") as out, one.client("/observations") as source:
-            until(lambda: one.server.counts()["clients"] == 1)
-            for k in range(60):
-                source.send(json.dumps(observation(k)))
-                time.sleep(1.0 / 60.0)
-                if one.service._estimator.latest.get("right") and (
-                    one.service._estimator.latest["right"].commitment
-                ):
-                    break
-            out.send(json.dumps({"control": "veto", "hand": "right"}))
-            begin = time.monotonic()
-            while time.monotonic() - begin < 0.5:
-                try:
-                    told.append(json.loads(out.recv(timeout=0.1)))
-                except TimeoutError:
-                    continue
-    finally:
-        one.close()
-    granted = [said["commitment"] is not None for said in told]
-    last = len(granted) - 1 - granted[::-1].index(True)
-    after = told[last + 1]
+        for _ in client:
+            pass
+    except ConnectionClosed:
+        pass
+
+
+def test_a_veto_is_sent_at_once(running):
+    with running.listener() as out, running.client("/observations") as source:
+        for k in range(60):
+            running.feed(source, k)
+            granted = receive(out)
+            if granted["commitment"]:
+                break
+        out.send(json.dumps({"control": "veto", "hand": "right"}))
+        after = receive(out)
+    assert granted["commitment"] is not None
     assert after["commitment"] is None
-    assert after["t"] == told[last]["t"]  # told without another measurement
+    assert after["t"] == granted["t"]  # without another measurement
 
 
-def test_words_about_no_assisted_hand_are_answered(shapes):
+def test_commands_for_a_hand_that_is_not_assisted_are_answered(shapes):
     one = Running(shapes, assisted=("right",))
     try:
         with one.client("/intentions") as out:
             out.send(json.dumps({"control": "veto", "hand": "rihgt"}))
-            assert "rihgt" in json.loads(out.recv(timeout=5))["error"]
+            assert "rihgt" in receive(out)["error"]
     finally:
         one.close()
 
 
-def test_what_is_refused_is_told_and_the_rest_goes_on(running):
+def test_a_refused_object_is_answered_and_the_rest_is_used(running):
     with running.client("/observations") as source:
         source.send(json.dumps({
             "t": 1.0, "hands": {"right": {"position": [0, 0, 0]}},
             "objects": {"box": {"position": [0.3, 0, 0], "orientation": UPRIGHT}},
         }))  # fmt: skip
-        assert "model" in json.loads(source.recv(timeout=5))["error"]
-        until(lambda: "right" in running.service._estimator.hands)
+        assert "model" in receive(source)["error"]
+        until(lambda: "right" in running.loop.estimator.hands)
+
+
+def test_nothing_is_kept_of_clients_that_have_gone(shapes):
+    """Also if their last messages are malformed, or refused after they have gone."""
+    one = Running(shapes, works=False)
+    refused = observation(0) | {"objects": {"x": {k: POSE[k] for k in ("position", "orientation")}}}
+    try:
+        for _ in range(20):
+            with one.client("/observations") as source, one.listener() as out:
+                for client in (source, out):
+                    client.send("{")
+                    client.send("{")
+                source.send(json.dumps(refused))
+                until(lambda: len(one.loop._queue) == 1)
+            until(lambda: not one.server._clients)
+            one.clock.t += 0.01
+            one.loop.step(0.0)
+            one.server.send(Sequencer(one.clock).wrap(Intention(t=0.0, hand="h", status="idle"), 0))
+        assert incoming(one)["refused"] == 20
+        assert incoming(one)["malformed"] == 80
+
+        def kept():
+            gc.collect()
+            return [one for one in gc.get_objects() if isinstance(one, _Client)]
+
+        until(lambda: not kept())
+        assert one.server.counts()["clients"] == 0
+        until(lambda: not one.server._background)
+    finally:
+        one.close()

@@ -7,7 +7,7 @@ import pytest
 
 import igrip
 from datasets import shared_folder
-from igrip.io.importers import ImportOptions, observe
+from igrip.io.resampling import ImportOptions, resample
 from training.people import KEPT_BACK, fold, real_reaches
 
 EACH = 60  # of near and of far reaches
@@ -29,7 +29,7 @@ def right(reaches, catalog, targets, rate=30.0):
     flags, every = [], []
     for reach in reaches:
         estimator = igrip.Estimator(catalog, igrip.Config(targets=targets))
-        told = [i for m in observe(reach, catalog, options) for i in estimator.update(m)]
+        told = [i for m in resample(reach, catalog, options) for i in estimator.update(m)]
         ends = np.array([0.4, 0.6, 1.0]) * reach.times[-1]
         newest = [[i for i in told if i.t <= end + 1e-9][-1] for end in ends]
         flags.append([i.target == reach.target for i in newest])

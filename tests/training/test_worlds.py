@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from igrip.lab.simulation.parameters import cohort
+from igrip.lab.simulation.parameters import cohort_parameters
 from training.worlds import draw_world
 
 PARTS = ("protocol", "person", "camera")
@@ -32,7 +32,7 @@ def test_the_cohorts_that_judge_lie_within_what_is_drawn(drawn, profile):
     """Some are at the very edge of the range, which no draw quite reaches."""
     outside = {
         name: value
-        for name, value in numbers(cohort(profile)).items()
+        for name, value in numbers(cohort_parameters(profile)).items()
         if name != "protocol.repetitions"
         and not 0.99 * min(w[name] for w in drawn) <= value <= 1.01 * max(w[name] for w in drawn)
     }

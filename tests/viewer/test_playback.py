@@ -1,4 +1,4 @@
-"""A recording as a film: where it stands, and that a person can play and search it on the page."""
+"""Playback: the position in a recording, and the controls on the page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from browser import needs_chromium, open_page
 from igrip import Config, Estimator
 from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
 from igrip.lab.simulation.demo import DemoPerson
-from igrip.viewer.playback import Player, Playhead, ReplayWorker, make_film
+from igrip.viewer.playback import Player, Playhead, ReplayWorker, replay_snapshots
 from igrip.viewer.server import Viewer
 
 pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
@@ -71,7 +71,7 @@ def test_playing_reaches_the_end_and_never_goes_back(times, steps):
 
 @pytest.fixture(scope="module")
 def recording(ycb, tmp_path_factory):
-    path = tmp_path_factory.mktemp("film") / "demo.jsonl"
+    path = tmp_path_factory.mktemp("playback") / "demo.jsonl"
     with JsonlWriter(path) as writer:
         for moment in DemoPerson(ycb, 0):
             if moment.observation.t > 4.0:
@@ -80,25 +80,25 @@ def recording(ycb, tmp_path_factory):
     return path
 
 
-def test_a_film_holds_what_the_estimator_says(recording, ycb):
-    film = make_film(JsonlReader(recording), ycb, Config(targets="paper"))
+def test_a_replay_holds_the_intentions_of_the_estimator(recording, ycb):
+    snapshots = replay_snapshots(JsonlReader(recording), ycb, Config(targets="paper"))
     estimator = Estimator(ycb, Config(targets="paper"))
     said = [estimator.update(observation) for observation in JsonlReader(recording)]
     assert [
-        [h.intention for h in moment.hands if h.intention.t == moment.t] for moment in film
+        [h.intention for h in moment.hands if h.intention.t == moment.t] for moment in snapshots
     ] == said
-    later = make_film(JsonlReader(recording), ycb, Config(targets="paper"), begin=2.0)
+    later = replay_snapshots(JsonlReader(recording), ycb, Config(targets="paper"), begin=2.0)
     assert later[0].t == pytest.approx(2.0, abs=1 / 30)
-    says = [[h.intention for h in moment.hands] for moment in film if moment.t >= 2.0]
+    says = [[h.intention for h in moment.hands] for moment in snapshots if moment.t >= 2.0]
     assert [[h.intention for h in moment.hands] for moment in later] == says
 
 
 @pytest.mark.browser
 @needs_chromium
 def test_playing_on_the_page(recording, ycb):
-    film = make_film(JsonlReader(recording), ycb, Config())
+    snapshots = replay_snapshots(JsonlReader(recording), ycb, Config())
     viewer = Viewer(port=8475)
-    player, end = Player(viewer, film), threading.Event()
+    player, end = Player(viewer, snapshots), threading.Event()
     thread = threading.Thread(target=player.run, args=(end.is_set,))
     thread.start()
 
@@ -106,7 +106,7 @@ def test_playing_on_the_page(recording, ycb):
         return float(re.search(r"t = ([\d.]+) s", page.inner_text("body")).group(1))
 
     def wait_for(page, condition):
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while not condition(shown(page)) and time.monotonic() < deadline:
             page.wait_for_timeout(100)
         assert condition(shown(page)), shown(page)
@@ -114,7 +114,7 @@ def test_playing_on_the_page(recording, ycb):
     try:
         with open_page(viewer.url) as page:
             page.get_by_text(re.compile("t = ")).first.wait_for()
-            times = [round(moment.t, 2) for moment in film]
+            times = [round(moment.t, 2) for moment in snapshots]
             wait_for(page, lambda t: t == times[0])
             page.get_by_text(">", exact=True).click()
             wait_for(page, lambda t: t == times[1])
@@ -124,15 +124,18 @@ def test_playing_on_the_page(recording, ycb):
             wait_for(page, lambda t: t == times[-2])
             page.get_by_text("|<", exact=True).click()
             wait_for(page, lambda t: t == times[0])
+            player.head.speed = 0.1  # it must not end before a slow browser has paused it
             page.get_by_role("button", name="Play").click()
             page.get_by_role("button", name="Pause").wait_for()
-            wait_for(page, lambda t: t > 1.0)
+            wait_for(page, lambda t: t > times[5])
             page.get_by_role("button", name="Pause").click()
             page.get_by_role("button", name="Play").wait_for()
-            page.wait_for_timeout(500)
-            still = shown(page)
+            still = times[player.head.index]
+            assert times[5] < still < times[-1]
+            wait_for(page, lambda t: t == still)
             page.wait_for_timeout(500)
             assert shown(page) == still
+            assert not player.head.playing
             scrub = page.get_by_role("slider").first
             scrub.focus()
             scrub.press("End")
@@ -143,42 +146,42 @@ def test_playing_on_the_page(recording, ycb):
         viewer.close()
 
 
-def test_the_estimator_that_was_wanted_last_is_shown():
-    begun, go_on, said = threading.Event(), threading.Event(), []
+def test_the_estimator_that_was_requested_last_is_shown():
+    begun, go_on, status = threading.Event(), threading.Event(), []
 
-    def make(name):
+    def replay(name):
         begun.set()
         if name == "slow":
-            go_on.wait(10)
+            assert go_on.wait(60)
         return [name]
 
-    films, done = [], threading.Event()
+    shown, done = [], threading.Event()
 
-    def take(film):
-        films.append(film)
+    def show(snapshots):
+        shown.append(snapshots)
         done.set()
 
-    cutter = ReplayWorker(make)
-    cutter.start(take, said.append)
-    cutter.want("slow")
-    assert begun.wait(10)
-    cutter.want("other")
-    cutter.want("quick")
+    worker = ReplayWorker(replay)
+    worker.start(show, status.append)
+    worker.request("slow")
+    assert begun.wait(60)
+    worker.request("other")
+    worker.request("quick")
     go_on.set()
-    assert done.wait(10)
-    assert films == [["quick"]]
-    assert said[:2] == ["running slow …", "running quick …"]
+    assert done.wait(60)
+    assert shown == [["quick"]]
+    assert status[:2] == ["running slow …", "running quick …"]
 
 
-def test_another_film_goes_on_where_the_last_one_stood(recording, ycb):
-    film = make_film(JsonlReader(recording), ycb, Config())
+def test_other_snapshots_go_on_at_the_same_time(recording, ycb):
+    snapshots = replay_snapshots(JsonlReader(recording), ycb, Config())
     viewer = Viewer(port=8475)
     try:
-        player = Player(viewer, film)
+        player = Player(viewer, snapshots)
         player.head.seek(2.0)
         player.head.speed = 0.25
-        player.take(make_film(JsonlReader(recording), ycb, Config(targets="distance")))
-        assert film[player.head.index].t == pytest.approx(2.0, abs=1 / 30)
+        player.replace(replay_snapshots(JsonlReader(recording), ycb, Config(targets="distance")))
+        assert snapshots[player.head.index].t == pytest.approx(2.0, abs=1 / 30)
         assert player.head.speed == 0.25
     finally:
         viewer.close()

@@ -67,4 +67,3 @@ def test_memory_with_the_page_open(ycb):
     server, heap = zip(*sizes, strict=True)
     assert server[-1] - server[2] < SERVER_MB, sizes
     assert heap[-1] - heap[2] < PAGE_MB, sizes
-    assert late < 0.01 * frames  # the estimator was never kept waiting

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from igrip import Estimator, Observation, load_objects
-from igrip.benchmark import scenes
+from igrip.lab.speed import scenes
 from igrip.viewer.snapshot import take_snapshot
 from igrip.viewer.time_courses import GRIP, SPEED, TARGET, CoursesPanels, courses_of
 from moments import demo_moments

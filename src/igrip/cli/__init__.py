@@ -1,4 +1,4 @@
-"""The command ``igrip``; one file a subcommand."""
+"""The command ``igrip``; one file per subcommand."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ import logging
 import sys
 
 from igrip.cli.app import app
-from igrip.cli.console import errors
 from igrip.errors import IgripError
 
 
 def main() -> None:
     """Run the command. Exit codes: 0 done, 1 done but something failed, 2 wrong input."""
-    logging.getLogger("igrip").addHandler(logging.NullHandler())  # the commands say it themselves
+    logging.getLogger("igrip").addHandler(logging.NullHandler())  # the commands print their own
     try:
         app()
     except IgripError as error:
+        from igrip.cli.console import errors
+
         errors.print(f"igrip: {error}", style="red", soft_wrap=True)
         sys.exit(2)
-    except BrokenPipeError:  # the reader of our output left; that is its right
+    except BrokenPipeError:  # the reader of our output closed it, which is no error
         sys.stderr.close()
         sys.exit(0)
     except KeyboardInterrupt:

@@ -1,32 +1,111 @@
-"""The application the subcommands belong to."""
+"""The command group. A command's module is imported only when that command is used."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import importlib
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, NamedTuple
 
 import typer
+from typer.core import TyperGroup
 
-from igrip.cli import (
-    bench,
-    calibrate,
-    demo,
-    doctor,
-    evaluate,
-    grips,
-    importing,
-    live,
-    record,
-    replay,
-    schema,
-    simulate,
-    stream,
-    view,
-)
-from igrip.cli.console import output
 from igrip.version import __version__
+
+
+class Command(NamedTuple):
+    """Where a command is implemented, and its line in ``igrip --help``.
+
+    Attributes
+    ----------
+    target : str
+        ``module:function`` within :mod:`igrip.cli`.
+    help : str
+        The first line of the function's docstring; a test keeps the two equal.
+    """
+
+    target: str
+    help: str
+
+
+COMMANDS = {
+    "demo": Command(
+        "demo:demo",
+        "Watch igrip predict what a simulated person reaches for, and with which grip.",
+    ),
+    "replay": Command("replay:replay", "Run estimators over recordings and summarise the answers."),
+    "evaluate": Command(
+        "evaluate:evaluate",
+        "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.",
+    ),
+    "simulate": Command(
+        "simulate:simulate",
+        "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
+    ),
+    "stream": Command(
+        "stream:stream",
+        "Receive observations from other programs and send them intentions, until Ctrl-C.",
+    ),
+    "view": Command(
+        "view:view",
+        "Look at a recording in the browser: play, pause, step, and go to any time.",
+    ),
+    "live": Command(
+        "live:live",
+        "Watch a camera and predict what each hand is about to grasp, and with which grip.",
+    ),
+    "record": Command("record:record", "Record colour, depth and intrinsics of cameras."),
+    "calibrate": Command(
+        "calibrate:calibrate",
+        "Find where cameras stand from a board of AprilTags that lies still where all of them "
+        "see it.",
+    ),
+    "import": Command("importing:import_tables", "Turn motion-capture tables into a dataset."),
+    "bench": Command("bench:bench", "Measure the speed of the estimator on this machine."),
+    "doctor": Command("doctor:doctor", "Show what is installed and whether the core works."),
+    "grips": Command("grips:grips", "Show from which height on each object is pinched."),
+    "schema": Command("schema:schema", "Print the JSON schema of a message."),
+}
+
+
+class LazyCommands(Mapping[str, Any]):
+    """The commands by name; looking one up imports its module."""
+
+    def __getitem__(self, name: str) -> Any:
+        module, function = COMMANDS[name].target.split(":")
+        single = typer.Typer(add_completion=False, rich_markup_mode=None)
+        single.command(name)(getattr(importlib.import_module(f"igrip.cli.{module}"), function))
+        return typer.main.get_command(single)
+
+    def __contains__(self, name: object) -> bool:
+        return name in COMMANDS
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
+class LazyGroup(TyperGroup):
+    """A group that lists its commands without importing them."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.commands: Any = LazyCommands()
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the commands, in the order of the help."""
+        return list(self.commands)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the table of commands from their short helps."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, command.help) for name, command in COMMANDS.items()])
+
 
 app = typer.Typer(
     name="igrip",
+    cls=LazyGroup,
     help="From where the hands are and where things are, to what each hand will grasp, and how.",
     no_args_is_help=True,
     add_completion=False,
@@ -35,32 +114,17 @@ app = typer.Typer(
 )
 
 
-def _version(asked: bool) -> None:
-    if asked:
-        output.print(f"igrip {__version__}")
+def _print_version(requested: bool) -> None:
+    if requested:
+        typer.echo(f"igrip {__version__}")
         raise typer.Exit
 
 
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version.")
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
     """Options of every command."""
-
-
-app.command("demo")(demo.demo)
-app.command("replay")(replay.replay)
-app.command("evaluate")(evaluate.evaluate)
-app.command("simulate")(simulate.simulate)
-app.command("stream")(stream.stream)
-app.command("view")(view.view)
-app.command("live")(live.live)
-app.command("record")(record.record)
-app.command("calibrate")(calibrate.calibrate)
-app.command("import")(importing.import_tables)
-app.command("bench")(bench.bench)
-app.command("doctor")(doctor.doctor)
-app.command("grips")(grips.grips)
-app.command("schema")(schema.schema)

@@ -1,77 +1,84 @@
-"""``igrip bench``: how fast the estimator is on this machine, beside other engines."""
+"""``igrip bench``: how fast the estimator is on this machine."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.table import Table
 
-from igrip.benchmark import picture, run
 from igrip.cli.console import errors, output, print_json
+from igrip.lab.speed import measure
+from igrip.lab.speed.peers import TRIMESH, Recorded
 from igrip.objects.catalog import load_objects
 
-VERDICTS = {True: "yes", False: "no", None: "not judged: the machine is not idle"}
+Frames = Annotated[int, typer.Option(help="Frames of each run.", min=20)]
+Runs = Annotated[int, typer.Option(help="Runs; the best ratio counts.", min=1)]
+PlainFrames = Annotated[
+    int, typer.Option(help="Frames by trimesh without embree, which takes seconds each.", min=0)
+]
+Turn = Annotated[
+    int, typer.Option(help="Frames that each does in a row; 1: caches are cold.", min=1)
+]
+Cadence = Annotated[float, typer.Option(help="Seconds at a real 30 Hz.", min=1.0)]
+MemoryFrames = Annotated[
+    int, typer.Option(help="Frames of the memory run; 0: leave it out.", min=0)
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program.")]
 
 
 def bench(
-    frames: Annotated[int, typer.Option(help="Frames of each run.", min=20)] = 300,
-    runs: Annotated[int, typer.Option(help="Runs; the best ratio counts.", min=1)] = 5,
-    plain_frames: Annotated[
-        int, typer.Option(help="Frames by trimesh without embree, which takes seconds each.", min=0)
-    ] = 3,
-    turn: Annotated[
-        int, typer.Option(help="Frames that each does in a row; 1: caches are cold.", min=1)
-    ] = 20,
-    cadence: Annotated[float, typer.Option(help="Seconds at a real 30 Hz.", min=1.0)] = 10.0,
-    memory_frames: Annotated[
-        int, typer.Option(help="Frames of the memory run; 0: leave it out.", min=0)
-    ] = 0,
-    plot: Annotated[Path | None, typer.Option(help="Write the picture here (.png, .svg).")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+    frames: Frames = 300,
+    runs: Runs = 5,
+    plain_frames: PlainFrames = 3,
+    turn: Turn = 20,
+    cadence: Cadence = 10.0,
+    memory_frames: MemoryFrames = 0,
+    as_json: AsJson = False,
 ) -> None:
-    """Measure the speed of `update` here: ratios of medians, taken in turn in one run.
+    """Measure the speed of the estimator on this machine.
 
-    Beside it, where they are installed (pip install 'igrip[bench]'): the same rays by embreex
-    alone, a frame by embreex + numpy + scipy, and, afterwards, trimesh without embree.
+    Times of `update` in a row and at a real 30 Hz, with 4 and with 100 objects. Beside it, where
+    they are installed (pip install 'igrip[bench]'), the same rays by embreex and by trimesh
+    without embree: ratios of medians, taken by turns in one run. More engines, growth and the
+    picture: `python -m benchmarks` in a checkout.
 
-    Example: igrip bench --runs 5 --memory-frames 200000 --plot bench.png
+    Example: igrip bench --runs 5 --memory-frames 200000
     """
     catalog = load_objects("ycb")
-    report: dict[str, Any] = {"machine": run.machine()}
-    with errors.status("timing beside other engines …") as status:
-        report["peers"] = run.against_peers(catalog, frames, runs, plain_frames, turn)
-        status.update("timing at a real 30 Hz …")
-        report["cadence_30_hz"] = run.at_cadence(catalog, cadence)
-        status.update("timing with more objects, rays and faces …")
-        report["growth"] = run.growth(catalog, frames, turn)
-        status.update("replaying a recording …")
-        report["batch"] = run.batch(catalog, 10 * frames)
+    report: dict[str, Any] = {"machine": measure.machine()}
+    with errors.status("Timing beside other engines …") as status:
+        recorded = Recorded.run(catalog, frames)
+        report["peers"] = measure.compare(
+            catalog, recorded, recorded.embree(), runs, plain_frames, turn
+        )
+        status.update("Timing at a real 30 Hz …")
+        report["cadence_30_hz"] = measure.at_cadence(catalog, cadence)
+        status.update("Timing with more objects …")
+        rows = measure.growth_with_objects(catalog, (4, 100), frames, turn)
+        report["growth"] = {"objects": rows}
         if memory_frames:
-            status.update("running for the memory …")
-            report["memory"] = run.memory(catalog, memory_frames)
-    report["bars"] = run.bars(report)
-    if plot is not None:
-        picture.draw(report, plot)
+            status.update("Running for the memory …")
+            report["memory"] = measure.memory(catalog, memory_frames)
     if as_json:
         print_json(report)
     else:
-        _print(report)
+        print_report(report)
 
 
-def _print(report: dict[str, Any]) -> None:
-    told = report["machine"]
-    load = told["load_average"]
+def print_report(report: dict[str, Any]) -> None:
+    """Print what was measured, as tables."""
+    machine = report["machine"]
+    load = machine["load_average"]
     output.print(
-        f"{told['platform']}, Python {told['python']}, {told['processors']} processors"
+        f"{machine['platform']}, Python {machine['python']}, {machine['processors']} processors"
         + (f", load average {load[0]:.2f}" if load else ""),
         soft_wrap=True,
     )
     peers = report["peers"]
     rows = dict(peers["best"])
     if peers["plain_trimesh"]:
-        rows["trimesh without embree, rays alone"] = peers["plain_trimesh"]
+        rows[TRIMESH] = peers["plain_trimesh"]
     rows["igrip, update at a real 30 Hz"] = report["cadence_30_hz"]
     table = Table("2 hands, 4 objects of 16 k faces", "p50 ms", "p99 ms")
     for name, times in rows.items():
@@ -80,26 +87,27 @@ def _print(report: dict[str, Any]) -> None:
     for name, ratio in peers["ratios"].items():
         of_runs = ", ".join(f"{r:.2f}" for r in peers["ratios_of_runs"].get(name, []))
         output.print(f"{name}: {ratio:.2f}" + (f" (runs: {of_runs})" if of_runs else ""))
-    for package in peers["missing"]:
-        errors.print(f"left out: {package} (pip install 'igrip[bench]')", style="yellow")
-    for what, cases in report["growth"].items():
-        table = Table(what, "p50 ms", "p99 ms", "rays", "nodes, rays", "nodes, points")
-        for row in cases:
-            counts = (row["rays"], row["ray_nodes"], row["point_nodes"])
-            table.add_row(
-                str(row["case"]),
-                f"{row['p50_ms']:.3f}",
-                f"{row['p99_ms']:.3f}",
-                *(f"{count:.0f}" for count in counts),
-            )
-        output.print(table)
-    table = Table("what is aimed at", "bar", "measured", "reached")
-    for row in report["bars"]:
-        bar = f"≤ {row['most']:g}" if "most" in row else f"≥ {row['least']:g}"
-        table.add_row(row["what"], bar, f"{row['measured']:.4g}", VERDICTS[row["reached"]])
-    output.print(table)
+    for problem in peers["missing"]:
+        errors.print(f"left out: {problem} (pip install 'igrip[bench]')", style="yellow")
+    for quantity, cases in report["growth"].items():
+        output.print(_growth_table(quantity, cases))
+    by_number = {row["case"]: row["p50_ms"] for row in report["growth"]["objects"]}
+    output.print(f"100 objects / 4 objects: {by_number[100] / by_number[4]:.2f}")
     if "memory" in report:
-        grown = report["memory"]
+        memory_run = report["memory"]
         output.print(
-            f"memory: {grown['growth_mb']:+.2f} MB in the second half of {grown['frames']} frames"
+            f"memory: {memory_run['growth_mb']:+.2f} MB in the second half of "
+            f"{memory_run['frames']} frames"
         )
+
+
+def _growth_table(quantity: str, cases: list[dict[str, Any]]) -> Table:
+    table = Table(quantity, "p50 ms", "p99 ms", "rays", "nodes, rays", "nodes, points")
+    for row in cases:
+        table.add_row(
+            str(row["case"]),
+            f"{row['p50_ms']:.3f}",
+            f"{row['p99_ms']:.3f}",
+            *(f"{row[name]:.0f}" for name in ("rays", "ray_nodes", "point_nodes")),
+        )
+    return table

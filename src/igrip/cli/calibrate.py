@@ -8,18 +8,15 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import errors, output
-from igrip.errors import IgripError
+from igrip.errors import CameraError, IgripError
 from igrip.perception.calibration.board import Board
-from igrip.perception.calibration.extrinsics import (
-    Placement,
-    collect,
-    place_camera,
-    write_calibration,
-)
-from igrip.perception.calibration.lens import find_lens
-from igrip.perception.cameras import CameraError, open_camera, split_names
+from igrip.perception.calibration.extrinsics import locate_camera, watch_board
+from igrip.perception.calibration.lens import calibrate_lens
+from igrip.perception.cameras import open_camera, split_names
+from igrip.perception.lens import write_lens
+from igrip.perception.placements import Placement, write_placements
 
-ODD_DEPTH = 0.03  # a camera's depth may differ so much from the board's before it is mentioned
+DEPTH_TOLERANCE = 0.03  # of a camera's depth against the board's, before it is mentioned
 
 
 def calibrate(
@@ -31,8 +28,8 @@ def calibrate(
     ] = None,
     lens: Annotated[
         Path | None,
-        typer.Option(help="Find the lens of one camera instead, for ?intrinsics=, and write it "
-                     "here (.json); move the board about."),
+        typer.Option(help="Calibrate the lens of one camera instead, for ?intrinsics=, and write "
+                     "it here (.json); move the board about."),
     ] = None,
     board: Annotated[
         Path | None, typer.Option(help="Write the board here (.svg), to be printed at 100 %.")
@@ -58,15 +55,15 @@ def calibrate(
 
     Example: igrip calibrate --camera webcam:0 --lens lens.json
     """
-    described = Board(columns=columns, rows=rows, tag_size=tag_size)
+    printed = Board(columns=columns, rows=rows, tag_size=tag_size)
     if board is not None:
-        _draw(board, described)
+        _draw(board, printed)
     if camera is None:
         if board is None:
             raise IgripError("name the cameras (--camera), or a file for the board (--board)")
         return
     if lens is not None:
-        _find_lens(camera, lens, described, seconds or 60.0)
+        _calibrate_lens(camera, lens, printed, seconds or 60.0)
         return
     if out is None:
         raise IgripError("name the file to write (--out)")
@@ -74,16 +71,16 @@ def calibrate(
     try:
         if note := getattr(device, "note", None):
             errors.print(note, style="yellow", soft_wrap=True)
-        with errors.status("looking at the board …"):
-            views = collect(device, described, seconds or 5.0, len(split_names(camera)))
+        with errors.status("watching the board …"):
+            views = watch_board(device, printed, seconds or 5.0, len(split_names(camera)))
     finally:
         device.close()
     if len(views) < len(split_names(camera)):
         raise CameraError(f"only {', '.join(views) or 'none'} of the cameras sent pictures")
-    placements = {name: place_camera(name, seen, described) for name, seen in views.items()}
-    write_calibration(out, placements, described)
-    for name, placed in placements.items():
-        _say(name, placed)
+    placements = {name: locate_camera(name, view, printed) for name, view in views.items()}
+    write_placements(out, placements, printed.model_dump())
+    for name, placement in placements.items():
+        _print_placement(name, placement)
     output.print(f"{out}: {len(placements)} cameras", soft_wrap=True)
 
 
@@ -97,33 +94,35 @@ def _draw(path: Path, board: Board) -> None:
     output.print(f"{path}: print it at 100 %, measure a black square, glue it on something flat")
 
 
-def _find_lens(camera: str, path: Path, board: Board, seconds: float) -> None:
+def _calibrate_lens(camera: str, path: Path, board: Board, seconds: float) -> None:
     device = open_camera(camera)
     try:
         with errors.status("move the board about the whole picture, near and far, tilted …"):
-            found = find_lens(device, board, seconds)
+            result = calibrate_lens(device, board, seconds)
     finally:
         device.close()
-    found.write(path)
-    own = found.intrinsics
+    write_lens(path, result.lens, result.error)
+    pinhole = result.lens.intrinsics
     output.print(
-        f"{path}: f {own.fx:.1f}, {own.fy:.1f}, centre {own.cx:.1f}, {own.cy:.1f} pixels of "
-        f"{own.width} × {own.height}; {found.views} pictures, {found.error:.2f} pixels",
+        f"{path}: f {pinhole.fx:.1f}, {pinhole.fy:.1f}, centre {pinhole.cx:.1f}, {pinhole.cy:.1f} "
+        f"pixels of {pinhole.width} × {pinhole.height}; {result.views} pictures, "
+        f"{result.error:.2f} pixels",
         soft_wrap=True,
     )
 
 
-def _say(name: str, placed: Placement) -> None:
-    x, y, z = placed.world_from_camera[:3, 3]
+def _print_placement(name: str, placement: Placement) -> None:
+    x, y, z = placement.world_from_camera[:3, 3]
     output.print(
-        f"{name}: at ({x:.3f}, {y:.3f}, {z:.3f}) m ± {1000 * placed.std:.1f} mm, "
-        f"{placed.tags} tags in {placed.views} pictures, {placed.error:.2f} pixels",
+        f"{name}: at ({x:.3f}, {y:.3f}, {z:.3f}) m ± {1000 * placement.std:.1f} mm, "
+        f"{placement.tags} tags in {placement.views} pictures, {placement.error:.2f} pixels",
         soft_wrap=True,
     )
-    if placed.depth_ratio is not None and abs(placed.depth_ratio - 1.0) > ODD_DEPTH:
+    ratio = placement.depth_ratio
+    if ratio is not None and abs(ratio - 1.0) > DEPTH_TOLERANCE:
         errors.print(
-            f"{name}: its depth says that the board is {placed.depth_ratio:.2f} times as far as "
-            "its tags say: was it printed at another size (--tag-size)?",
+            f"{name}: by its depth the board is {ratio:.2f} times as far as by its tags: was it "
+            "printed at another size (--tag-size)?",
             style="yellow",
             soft_wrap=True,
         )

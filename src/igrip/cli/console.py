@@ -1,38 +1,35 @@
-"""Where the commands write: answers to standard output, everything else to standard error."""
+"""Where commands write: results to standard output, everything else to standard error."""
 
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
-# no markup: names and paths come from outside, and may hold brackets
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+# no markup: names and paths from outside may hold brackets
 output = Console(markup=False, highlight=False)
 errors = Console(stderr=True, markup=False, highlight=False)
 
 
 def print_json(value: Any) -> None:
-    """Print one JSON document for a program to read."""
+    """Print one JSON document for other programs."""
     print(json.dumps(value, indent=2, allow_nan=False))
 
 
 def progress() -> Progress:
-    """Return a progress bar on standard error; it draws nothing where that is no terminal."""
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
+    """Return a progress bar on standard error; it draws nothing if that is not a terminal."""
+    from rich import progress as bars
+
+    return bars.Progress(
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.MofNCompleteColumn(),
+        bars.TimeElapsedColumn(),
+        bars.TimeRemainingColumn(),
         console=errors,
         disable=not errors.is_terminal,
     )

@@ -1,10 +1,12 @@
-"""``igrip demo``: a simulated person reaches for the paper's four objects, before your eyes."""
+"""``igrip demo``: a simulated person reaches for the paper's four objects, live."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from itertools import chain, islice
 from typing import Annotated
 
 import typer
@@ -18,8 +20,8 @@ from igrip.describe import describe
 from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.lab.simulation.demo import DemoPerson, Moment, Task
-from igrip.lab.simulation.demo_score import DemoScore, Events
+from igrip.lab.simulation.demo import DemoPerson, DemoTask, Moment
+from igrip.lab.simulation.demo_score import DemoScore, StatusChanges
 from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
@@ -28,30 +30,30 @@ from igrip.viewer.snapshot import take_snapshot
 
 
 def demo(
-    headless: Annotated[bool, typer.Option(help="No page in the browser.")] = False,
+    headless: Annotated[bool, typer.Option(help="Open no page in the browser.")] = False,
     duration: Annotated[
         float | None,
-        typer.Option(help="Seconds of the scene. Default: one round of 16 reaches; endless with a "
-                     "page and a terminal, until Ctrl-C.", min=0.0),
+        typer.Option(help="Seconds of the scene. Default: one round of 16 reaches; with a page and "
+                     "a terminal, until Ctrl-C.", min=0.0),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Another seed, another table.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the table and of the noise.", min=0)] = 0,
     targets: Annotated[
         str | None, typer.Option(help="Targets estimator. Default: the library's.")
     ] = None,
     speed: Annotated[
-        float, typer.Option(help="Times real time; 0: as fast as it goes.", min=0.0)
+        float, typer.Option(help="Multiple of real time; 0: as fast as possible.", min=0.0)
     ] = 1.0,
     port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
     fault: Annotated[
         list[str] | None,
-        typer.Option(help="What goes wrong: KIND@BEGIN+SECONDS or KIND:RATE[xSECONDS], such as "
+        typer.Option(help="A sensor fault: KIND@BEGIN+SECONDS or KIND:RATE[xSECONDS], such as "
                      f"freeze@3+0.5 or jump:0.2x0.1; repeatable. Kinds: {', '.join(KINDS)}."),
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the results as JSON at the end.")
     ] = False,
 ) -> None:  # fmt: skip
-    """Watch igrip decide what a simulated person reaches for, and with which grip.
+    """Watch igrip predict what a simulated person reaches for, and with which grip.
 
     The scene is live in the terminal and, unless --headless, in the browser.
 
@@ -65,39 +67,39 @@ def demo(
         catalog = load_objects("ycb")
         person = DemoPerson(catalog, seed)
         _warm_up(person, Estimator(catalog, config))
-    wanted = [config.targets]  # the page may ask for another
-    viewer = None if headless else _open_viewer(config.targets, wanted.append, port)
+    choices = [config.targets]  # the page appends another estimator's name
+    viewer = None if headless else _open_viewer(config.targets, choices.append, port)
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
-    tally = DemoScore()
+    moments = iter(person) if endless else _limited(person, duration)
+    if faults:
+        moments = _with_faults(moments, faults, seed)
+    score = DemoScore()
+    events = StatusChanges() if faults and not as_json else None
     try:
-        moments = _paced(_with(faults, _until(person, duration, endless), seed), speed)
-        events = Events() if faults and not as_json else None
-        _run(moments, _estimators(catalog, wanted), viewer, tally, as_json, events)
+        _run(_paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json, events)
     except KeyboardInterrupt:
         errors.print("stopped")
     finally:
         if viewer is not None:
             viewer.close()
     if as_json:
-        print_json(tally.summary())
+        print_json(score.summary())
     else:
-        output.print(tally.words(), soft_wrap=True)
+        output.print(score.sentence(), soft_wrap=True)
 
 
 def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
     """Compile before the clock runs."""
-    for number, moment in enumerate(person):
+    for moment in islice(person, 7):
         estimator.update(moment.observation)
-        if number > 5:
-            return
 
 
-def _estimators(catalog: Catalog, wanted: list[str]) -> Iterator[Estimator]:
-    """Give the estimator at work, again and again; a new one when another is wanted."""
+def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
+    """Yield the estimator for each message; a new one after another was chosen."""
     name = None
     while True:
-        if wanted[-1] != name:
-            name = wanted[-1]
+        if choices[-1] != name:
+            name = choices[-1]
             estimator = Estimator(catalog, Config(targets=name))
         yield estimator
 
@@ -106,49 +108,46 @@ def _open_viewer(targets: str, choose: Callable[[str], None], port: int) -> View
     try:
         viewer = Viewer(port=port, targets=targets, choose_targets=choose)
     except MissingExtraError as error:
-        errors.print(f"{error}; going on without the page", style="yellow")
+        errors.print(f"{error}; continuing without the page", style="yellow")
         return None
     errors.print(f"The scene is live at {viewer.url}")
     return viewer
 
 
-def _until(person: DemoPerson, duration: float | None, endless: bool) -> Iterator[Moment]:
-    tasks, task = 0, None
+def _limited(person: DemoPerson, duration: float | None) -> Iterator[Moment]:
+    """Yield the moments of a duration [s], or of one round of tasks."""
+    tasks: set[float] = set()
     for moment in person:
-        if moment.task is not task:
-            task, tasks = moment.task, tasks + 1
-        if not endless and (tasks > person.round if duration is None else _over(moment, duration)):
+        tasks.add(moment.task.begin)
+        ended = len(tasks) > person.round if duration is None else moment.observation.t >= duration
+        if ended:
             return
         yield moment
 
 
-def _with(faults: list[Fault], moments: Iterator[Moment], seed: int) -> Iterator[Moment]:
-    """Let things go wrong, if any are to."""
-    if not faults:
-        yield from moments
+def _with_faults(moments: Iterator[Moment], faults: list[Fault], seed: int) -> Iterator[Moment]:
+    """Yield the moments with sensor faults in their observations."""
+    first = next(moments, None)
+    if first is None:
         return
-    tasks: list[Task] = []
+    task = first.task
 
-    def source() -> Iterator[Observation]:
-        for moment in moments:
-            tasks[:] = [moment.task]
+    def observations() -> Iterator[Observation]:
+        nonlocal task
+        for moment in chain([first], moments):
+            task = moment.task
             yield moment.observation
 
-    for observation in inject(source(), faults, seed):
-        yield Moment(observation, tasks[0])
-
-
-def _over(moment: Moment, duration: float) -> bool:
-    return moment.observation.t >= duration
+    for observation in inject(observations(), faults, seed):
+        yield Moment(observation, task)
 
 
 def _paced(moments: Iterator[Moment], speed: float) -> Iterator[Moment]:
+    """Yield each moment when it is due, at a multiple of real time; 0: at once."""
     begin = time.perf_counter()
     for moment in moments:
         if speed:
-            wait = begin + moment.observation.t / speed - time.perf_counter()
-            if wait > 0.0:
-                time.sleep(wait)
+            time.sleep(max(0.0, begin + moment.observation.t / speed - time.perf_counter()))
         yield moment
 
 
@@ -156,48 +155,43 @@ def _run(
     moments: Iterator[Moment],
     estimators: Iterator[Estimator],
     viewer: Viewer | None,
-    tally: DemoScore,
+    score: DemoScore,
     quiet: bool,
-    events: Events | None,
+    events: StatusChanges | None,
 ) -> None:
     live = Live(console=output, refresh_per_second=15, transient=True)
     on_screen = output.is_terminal and not quiet
-    if on_screen:
-        live.start()
-    try:
-        task: Task | None = None
+    task: DemoTask | None = None
+    with live if on_screen else nullcontext():
         for moment, estimator in zip(moments, estimators, strict=False):
-            if moment.task is not task:
+            if viewer is not None and moment.task is not task:
                 task = moment.task
-                if viewer is not None:
-                    viewer.note("Task", _task_words(task))
+                viewer.note("Task", _summary(task))
             intentions = estimator.update(moment.observation)
-            line = tally.take(moment, intentions)
-            for event in events.take(intentions) if events else ():
+            line = score.update(moment, intentions)
+            for event in events.update(intentions) if events else ():
                 output.print(event, soft_wrap=True)
             if viewer is not None:
                 viewer.show(take_snapshot(estimator))
             if on_screen:
-                live.update(_screen(moment, intentions, tally))
+                live.update(_table(moment, intentions, score))
             if line and not quiet:
                 output.print(line, soft_wrap=True)
-    finally:
-        if on_screen:
-            live.stop()
 
 
-def _task_words(task: Task) -> str:
+def _summary(task: DemoTask) -> str:
     return f"{task.hand} hand to {task.target}, {task.grip} grip"
 
 
-def _screen(moment: Moment, intentions: list[Intention], tally: DemoScore) -> Table:
-    table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_task_words(moment.task)}")
-    for column in ("hand", "status", "target", "grip", "score", "contact in", "may act on"):
+def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> Table:
+    """Return the live table: one row per hand, the task's hand in colour."""
+    table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_summary(moment.task)}")
+    for column in ("hand", "status", "target", "grip", "score", "contact in", "permission for"):
         table.add_column(column, min_width=9)
     for intention in intentions:
-        own = intention.hand == moment.task.hand and intention.status == "reaching"
-        right = intention.target == moment.task.target
-        colour = ("green" if right else "red") if own else "dim"
+        of_task = intention.hand == moment.task.hand and intention.status == "reaching"
+        correct = intention.target == moment.task.target
+        colour = ("green" if correct else "red") if of_task else "dim"
         table.add_row(
             intention.hand,
             intention.status,
@@ -207,6 +201,6 @@ def _screen(moment: Moment, intentions: list[Intention], tally: DemoScore) -> Ta
             "-" if intention.time_to_contact is None else f"{intention.time_to_contact:.2f} s",
             intention.commitment.target if intention.commitment else "-",
         )
-    own_words = [describe(i) for i in intentions if i.hand == moment.task.hand]
-    table.caption = "\n".join([*own_words, tally.words()])
+    sentences = [describe(i) for i in intentions if i.hand == moment.task.hand]
+    table.caption = "\n".join([*sentences, score.sentence()])
     return table

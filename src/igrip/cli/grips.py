@@ -1,4 +1,4 @@
-"""``igrip grips``: the picture of the grip zones of objects."""
+"""``igrip grips``: the grip zones of objects, in numbers, as a picture and as a page."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import typer
 from igrip.cli.console import errors, output, print_json
 from igrip.config import Config
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
+from igrip.viewer.grip_figure import draw_grip_zones
 from igrip.viewer.grip_page import GripPage
-from igrip.viewer.grip_zones import draw_grip_zones
 
 
 def grips(
@@ -26,18 +26,19 @@ def grips(
         Path | None, typer.Option("--out", "-o", help="Write the picture here (.png, .svg).")
     ] = None,
     page: Annotated[
-        bool, typer.Option("--page", help="Show them in the browser until Ctrl-C.")
+        bool,
+        typer.Option("--page", help="Show the zones on the meshes in the browser, until Ctrl-C."),
     ] = False,
     port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
-    """Say, and draw, from which height on each object is pinched.
+    """Show from which height on each object is pinched.
 
     Example: igrip grips --out figure2.png
     """
     catalog = load_objects(*objects)
-    usual = PAPER_OBJECTS if set(PAPER_OBJECTS) <= set(catalog) else tuple(catalog)
-    chosen = [catalog[name] for name in models or usual]
+    default = PAPER_OBJECTS if set(PAPER_OBJECTS) <= set(catalog) else tuple(catalog)
+    chosen = [catalog[name] for name in models or default]
     pinch_from = Config().grip.pinch_threshold
     borders = {model.name: pinch_from * 0.5 * model.length for model in chosen}
     if out is not None:
@@ -53,7 +54,7 @@ def grips(
 
 def _serve(page: GripPage) -> None:
     try:
-        errors.print(f"The grip zones are at {page.url}; Ctrl-C ends")
+        errors.print(f"The grip zones are at {page.url}; Ctrl-C to stop")
         threading.Event().wait()
     except KeyboardInterrupt:
         errors.print("stopped")

@@ -1,8 +1,8 @@
-"""``igrip import``: motion-capture tables into a dataset."""
+"""``igrip import``: motion-capture files into a dataset."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -10,16 +10,10 @@ import typer
 
 from igrip.cli.console import errors, output, print_json, progress
 from igrip.errors import DatasetError
-from igrip.io.datasets.dataset import Dataset
-from igrip.io.importers import (
-    Importer,
-    ImportOptions,
-    RecordedReach,
-    find_importer,
-    read_tables,
-    write_dataset,
-)
-from igrip.io.importers._mapped import Mapped, read_map
+from igrip.io.column_map import ColumnMapImporter, read_column_map
+from igrip.io.import_dataset import import_dataset
+from igrip.io.importers import Importer, ImportFiles, ReachReader, find_importer
+from igrip.io.resampling import ImportOptions
 from igrip.objects.catalog import load_objects
 
 
@@ -30,7 +24,7 @@ def import_tables(
     out: Annotated[Path, typer.Option("--out", "-o", help="New folder for the dataset.")],
     columns: Annotated[
         Path | None,
-        typer.Option(help="A map of columns (.toml), for tables of a layout of your own."),
+        typer.Option(help="A map of columns (.toml), for tables with a layout of your own."),
     ] = None,
     mesh: Annotated[
         str, typer.Option(help="Model put at each object's place.")
@@ -54,15 +48,15 @@ def import_tables(
         typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.", min=0),
     ] = 0,
     participants: Annotated[
-        Path | None, typer.Option(help="Only these people: a file with one id a line.")
+        Path | None, typer.Option(help="Only these participants: a file with one id per line.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
     """Turn motion-capture tables into a dataset.
 
     A known layout is recognised by its columns; for any other, --columns names a map: see
-    docs/importing.md. Reaches that cannot be used are then named and left out. What is added to the
-    recorded movements (rest, noise, meshes) is declared in the dataset's dataset.json.
+    docs/importing.md. Reaches that cannot be used are then listed and left out. The dataset.json
+    declares what was added to the recorded movements (rest, noise, meshes).
 
     Example: igrip import wispinski2021/ --out near-far --rest 1 --noise 0.004
     """
@@ -70,22 +64,22 @@ def import_tables(
     catalog = load_objects(*named)
     options = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
     catalog[mesh]
-    found = read_tables(tables)
-    importer: Importer = find_importer(found) if columns is None else Mapped(read_map(columns))
-    reaches = importer.reaches(found)
+    files = ImportFiles(tables)
+    importer: Importer = (
+        find_importer(files) if columns is None else ColumnMapImporter(read_column_map(columns))
+    )
+    reaches = importer.reaches(files)
     if participants is not None:
         reaches = _only(reaches, participants)
     if 0 < limit < len(reaches):
         reaches = [reaches[k * len(reaches) // limit] for k in range(limit)]
-    dataset: Dataset | None = None
     problems: list[str] | None = None if columns is None else []
     with progress() as bar:
         task = bar.add_task(f"importing {importer.name}", total=len(reaches))
-        for dataset in write_dataset(
-            importer, reaches, out, catalog, options, _absolute(named), problems
-        ):
-            bar.advance(task, dataset is None)
-    assert dataset is not None  # the last thing written
+        dataset = import_dataset(
+            importer, reaches, out, catalog, options, _absolute(named), problems,
+            on_progress=lambda: bar.advance(task),
+        )  # fmt: skip
     if not dataset.trials:
         raise DatasetError(f"nothing could be imported; first: {problems[0] if problems else '-'}")
     summary = {
@@ -107,27 +101,25 @@ def import_tables(
     errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
 
 
-def _only(
-    reaches: Sequence[Callable[[], RecordedReach]], file: Path
-) -> list[Callable[[], RecordedReach]]:
-    """Keep the reaches of the people named in a file."""
+def _only(reaches: Sequence[ReachReader], file: Path) -> list[ReachReader]:
+    """Return the reaches of the participants named in a file."""
     try:
         people = set(file.read_text(encoding="utf-8").split())
     except (OSError, ValueError) as error:
         raise DatasetError(f"{file}: cannot be read as a list of people: {error}") from error
-    kept = [read for read in reaches if _person(read) in people]
+    kept = [read for read in reaches if _participant(read) in people]
     if not kept:
         raise DatasetError(f"{file}: none of these people is in the tables")
     return kept
 
 
-def _person(read: Callable[[], RecordedReach]) -> str | None:
+def _participant(read: ReachReader) -> str | None:
     try:
         return read().participant
-    except DatasetError:  # it will be left out by name
+    except DatasetError:  # it will be listed as left out
         return None
 
 
 def _absolute(sources: Sequence[str]) -> list[str]:
-    """Make folders of meshes findable from anywhere."""
+    """Return the sources with absolute folders, so that the dataset finds them from anywhere."""
     return [str(Path(s).resolve()) if Path(s).is_dir() else s for s in sources]

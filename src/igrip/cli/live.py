@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 from urllib.parse import parse_qsl
@@ -12,27 +11,28 @@ from urllib.parse import parse_qsl
 import typer
 from rich.live import Live
 
+from igrip.cli import estimator_setup as setup
 from igrip.cli.console import errors, output, print_json
 from igrip.cli.live_table import markdown_of, table_of
-from igrip.cli.stream import Out, warm_up
-from igrip.commitment import ALL_HANDS, CommitmentConfig
-from igrip.config import Config
 from igrip.errors import IgripError, MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.io.recordings.files import open_writer
+from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
-from igrip.perception.pipeline.detectors import hand_eye, object_eye, read_options, warm_up_eyes
 from igrip.perception.pipeline.pipeline import Pipeline
-from igrip.runtime.access import Access
+from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
+from igrip.perception.poses import parse_options
+from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.loop import Loop
-from igrip.runtime.outputs.stdout import StdoutOutput
-from igrip.viewer.camera_panel import PicturePanel, Seen
+from igrip.runtime.options import HANDS, Options
+from igrip.runtime.outputs import OUTPUTS
+from igrip.runtime.stream_input import StreamInput
+from igrip.viewer.camera_panel import CameraPanel, CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
-SCREEN_EVERY = 0.5  # s
+SCREEN_INTERVAL = 0.5  # s
 NOTHING = "none"
 
 
@@ -42,9 +42,9 @@ def live(
         typer.Option(help="oak, realsense, webcam:0, replay:FILE.mcap, rendered; several joined by "
                      "+, as in oak:ID1+oak:ID2."),
     ] = "oak",
-    hands: Annotated[str, typer.Option(help="Hand finder; none: no hands.")] = "mediapipe",
+    hands: Annotated[str, typer.Option(help="Hand detector; none: no hands.")] = "mediapipe",
     objects: Annotated[
-        str, typer.Option(help="Pose finder: depth, tags, cosypose; none: no objects.")
+        str, typer.Option(help="Pose estimator: depth, tags, cosypose; none: no objects.")
     ] = "depth",
     model: Annotated[
         list[str] | None,
@@ -56,7 +56,7 @@ def live(
     ] = None,
     option: Annotated[
         list[str] | None,
-        typer.Option(help="NAME=VALUE for the pose finder, such as tags=tags.toml; repeatable."),
+        typer.Option(help="NAME=VALUE for the pose estimator, such as tags=tags.toml; repeatable."),
     ] = None,
     calibration: Annotated[
         Path | None, typer.Option(help="Where the cameras stand: a file of igrip calibrate.")
@@ -71,206 +71,168 @@ def live(
                      "gives the same intentions again."),
     ] = None,
     tell: Annotated[
-        list[Out] | None, typer.Option(help="Where intentions go; repeatable.")
+        list[str] | None,
+        typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
     ] = None,
-    targets: Annotated[str | None, typer.Option(help="Targets estimator.")] = None,
-    assisted: Annotated[
-        list[str] | None, typer.Option(help="A hand that a device assists. Default: every hand.")
-    ] = None,
-    reliability: Annotated[
-        float, typer.Option(help="0: commit early; 1: late, or not at all.", min=0.0, max=1.0)
-    ] = CommitmentConfig().reliability,
-    confirm: Annotated[
-        bool, typer.Option("--confirm", help="Commit to what is confirmed from outside only.")
-    ] = False,
+    targets: setup.Targets = None,
+    assisted: setup.Assisted = None,
+    reliability: setup.Reliability = setup.RELIABILITY,
+    confirm: setup.Confirm = False,
     seconds: Annotated[
         float | None, typer.Option(help="Default: until Ctrl-C, or the end of a recording.", min=0)
     ] = None,
     headless: Annotated[bool, typer.Option(help="No page in the browser.")] = False,
     page_port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
-    host: Annotated[str, typer.Option(help="Address of the WebSocket server.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Its port; 0: any.", min=0, max=65535)] = 8765,
-    token: Annotated[
-        str | None, typer.Option(envvar="IGRIP_TOKEN", help="What clients must show.")
-    ] = None,
+    host: setup.Host = "127.0.0.1",
+    port: setup.Port = 8765,
+    token: setup.Token = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the counts at the end.")] = False,
 ) -> None:  # fmt: skip
-    """Watch a camera and say what each hand is about to grasp, and with which grip.
+    """Watch a camera and predict what each hand is about to grasp, and with which grip.
 
     Example: igrip live --camera oak --tell lsl --out session.mcap
 
     Example, without a camera: igrip live --camera rendered
     """
-    commitment = CommitmentConfig(
-        assisted=tuple(assisted) if assisted else ALL_HANDS, reliability=reliability,
-        needs_confirmation=confirm,
-    )  # fmt: skip
-    config = Config(commitment=commitment, targets=targets or Config().targets)
+    options = Options(host, port, token, hands=tuple(assisted or HANDS))
+    outputs = {name: OUTPUTS.get(name)(options) for name in tell or []}
+    config = setup.estimator_config(targets, assisted, reliability, confirm)
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
             known = load_objects(*(catalog or ["ycb"]))
-            options = read_options(option or [])
-            options["models"] = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
-            for name in options["models"]:
+            pose_options = parse_options(option or [])
+            models = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
+            pose_options["models"] = models
+            for name in models:
                 known[name]
-            warm_up(config, known)
+            setup.warm_up(config, known)
             count = _check(camera, calibration)
-            new_hands = None if hands == NOTHING else hand_eye(hands, max_hands, apart, count)
-            new_objects = None if objects == NOTHING else object_eye(objects, known, options)
-            warm_up_eyes(new_hands, new_objects, known, options["models"])
+            new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, apart, count)
+            new_objects = (
+                None if objects == NOTHING else object_stages(objects, known, pose_options)
+            )
+            warm_up_stages(new_hands, new_objects, known, models)
             source = open_camera(camera, calibration)
-        chain = stack.enter_context(Pipeline(source, new_hands, new_objects))
+        pipeline = stack.enter_context(Pipeline(source, new_hands, new_objects))
         recorder = stack.enter_context(open_writer(out)) if out is not None else None
-        loop = Loop(Estimator(known, config), chain.begin, recorder)
-        notes = Notes(source, chain)
-        _outputs(loop, chain, tell or [], assisted, (host, port, token))
+        loop = Loop(
+            Estimator(known, config), RunClock(pipeline.begin),
+            {"camera": StreamInput(pipeline)}, outputs,
+            record=None if recorder is None else recorder.write,
+            announce=lambda address: errors.print(address, soft_wrap=True),
+            source_report=lambda: {"stages": pipeline.report()},
+        )  # fmt: skip
+        problems = ProblemPrinter(source, pipeline)
         viewer = None if headless else _page(page_port)
         if viewer is not None:
             stack.callback(viewer.close)
         try:
-            _run(loop, chain, viewer, seconds, notes, quiet=as_json)
+            _run(loop, pipeline, viewer, seconds, problems, quiet=as_json)
         except KeyboardInterrupt:
             errors.print("stopped")
         finally:
-            for sink in loop.outputs:
-                sink.close()
-            notes.tell()
-    report = {"stages": chain.report(), **loop.report()}
+            problems.print_new()
+    report = loop.status()
     if as_json:
         print_json(report)
     else:
-        output.print(_words(report), soft_wrap=True)
+        output.print(_summary(report), soft_wrap=True)
 
 
-class Notes:
-    """What a camera or a finder has to say, told once each."""
+class ProblemPrinter:
+    """Prints what a camera or a detector reports to be wrong, once each."""
 
-    def __init__(self, camera: Camera, chain: Pipeline) -> None:
-        self._camera, self._chain = camera, chain
-        self._told: set[str] = set()
+    def __init__(self, camera: Camera, pipeline: Pipeline) -> None:
+        self._camera, self._pipeline = camera, pipeline
+        self._printed: set[str] = set()
 
-    def tell(self) -> None:
-        """Print what is new."""
-        for note in (getattr(self._camera, "note", None), *self._chain.problems()):
-            if note and note not in self._told:
-                self._told.add(note)
-                errors.print(note, style="yellow", soft_wrap=True)
+    def print_new(self) -> None:
+        """Print the problems that were not printed before."""
+        for problem in (getattr(self._camera, "note", None), *self._pipeline.problems()):
+            if problem and problem not in self._printed:
+                self._printed.add(problem)
+                errors.print(problem, style="yellow", soft_wrap=True)
 
 
 def _check(camera: str, calibration: Path | None) -> int:
-    """Return how many cameras are named; refuse what would mix places or times."""
+    """Return the number of cameras; refuse what would mix up places or times."""
     names = split_names(camera)
     if len(names) > 1 and calibration is None:
         raise IgripError(
-            "several cameras need --calibration: without it each one's world is its own, and what "
-            "one sees would be taken for where another looks (igrip calibrate)"
+            "several cameras need --calibration (igrip calibrate): without it each one has a world "
+            "frame of its own, and what they measure cannot be merged"
         )
     for name in names:
         speed = dict(parse_qsl(name.partition("?")[2])).get("speed", "1")
         if speed not in ("1", "1.0"):
-            raise IgripError(f"{name}: live runs at the pace of life; leave speed={speed} out")
+            raise IgripError(f"{name}: igrip live runs in real time; leave out speed={speed}")
     return len(names)
-
-
-def _outputs(
-    loop: Loop, chain: Pipeline, outs: list[Out], assisted: list[str] | None,
-    server: tuple[str, int, str | None],
-) -> None:  # fmt: skip
-    if Out.WS in outs:
-        from igrip.runtime.websocket import WebSocketServer
-
-        host, port, token = server
-        socket = WebSocketServer(
-            host, port, Access(host, token), loop.word, loop.count,
-            lambda: {"stages": chain.report(), **loop.report()}, takes=True,
-        )  # fmt: skip
-        loop.outputs.append(socket)
-        errors.print(f"ws://{f'[{host}]' if ':' in host else host}:{socket.port}", soft_wrap=True)
-    if Out.STDOUT in outs:
-        loop.outputs.append(StdoutOutput())
-    if Out.LSL in outs:
-        from igrip.runtime.outputs.lsl import HANDS, LslOutput
-
-        session = loop.numbering.session
-        loop.outputs.append(LslOutput("igrip", session, tuple(assisted) if assisted else HANDS))
 
 
 def _page(port: int) -> Viewer | None:
     try:
         viewer = Viewer(port=port)
     except MissingExtraError as error:
-        errors.print(f"{error}; going on without the page", style="yellow")
+        errors.print(f"{error}; continuing without the page", style="yellow")
         return None
     errors.print(f"The scene is live at {viewer.url}")
     return viewer
 
 
 def _run(
-    loop: Loop, chain: Pipeline, viewer: Viewer | None, seconds: float | None, notes: Notes,
-    quiet: bool,
+    loop: Loop, pipeline: Pipeline, viewer: Viewer | None, seconds: float | None,
+    problems: ProblemPrinter, quiet: bool,
 ) -> None:  # fmt: skip
+    """Run the loop; show its results after each update, without blocking it."""
+    panel = None if viewer is None else CameraPanel(viewer.server)
     screen = Live(console=errors, refresh_per_second=4, transient=True)
-    panel = PicturePanel(viewer.server) if viewer is not None else None
-    on_screen = errors.is_terminal and not quiet
-    if on_screen:
-        screen.start()
+    begin = due = time.monotonic()
+
+    def show(intentions: list[Intention]) -> None:
+        nonlocal due
+        now = time.monotonic()
+        if seconds is not None and now - begin >= seconds:
+            pipeline.close()
+        estimator = loop.estimator
+        newest = list(estimator.latest.values())
+        if viewer is not None and panel is not None:
+            viewer.show(take_snapshot(estimator))
+            panel.show({
+                camera: CameraView(found.frame, found.landmarks, estimator.objects, newest)
+                for camera, found in pipeline.latest_hands().items()
+            })  # fmt: skip
+        if now >= due:
+            due = now + SCREEN_INTERVAL
+            problems.print_new()
+            stages = pipeline.report()
+            screen.update(table_of(estimator.t, stages, newest))
+            if panel is not None:
+                panel.set_table(markdown_of(stages))
+
     try:
-        shown = screen if on_screen else None
-        loop.run(chain, _looker(loop, chain, viewer, panel, shown, seconds, notes))
+        with screen if errors.is_terminal and not quiet else nullcontext(), loop:
+            loop.run(show)
     finally:
-        if on_screen:
-            screen.stop()
         if panel is not None:
             panel.close()
 
 
-def _looker(
-    loop: Loop, chain: Pipeline, viewer: Viewer | None, panel: PicturePanel | None,
-    screen: Live | None, seconds: float | None, notes: Notes,
-) -> Callable[[list[Intention]], None]:  # fmt: skip
-    """Return what is done after each update: nothing of it waits."""
-    began = time.monotonic()
-    due = began
-
-    def look(intentions: list[Intention]) -> None:
-        nonlocal due
-        now = time.monotonic()
-        if seconds is not None and now - began >= seconds:
-            chain.close()
-        estimator = loop.estimator
-        if viewer is not None and panel is not None:
-            viewer.show(take_snapshot(estimator))
-            told = list(estimator.latest.values())
-            panel.show({
-                camera: Seen(found.frame, found.landmarks, estimator.objects, told)
-                for camera, found in chain.pictures().items()
-            })  # fmt: skip
-        if now >= due:
-            due = now + SCREEN_EVERY
-            notes.tell()
-            report = chain.report()
-            if screen is not None:
-                screen.update(table_of(estimator.t, report, list(estimator.latest.values())))
-            if panel is not None:
-                panel.tell(markdown_of(report))
-
-    return look
-
-
-def _words(report: dict[str, Any]) -> str:
-    """Sum up what happened, in a few lines."""
+def _summary(report: dict[str, Any]) -> str:
+    """Return the counts and latencies of a run, in a few lines."""
     update = report["update"]
-    lines = [f"{report['counts'].get('intentions', 0)} intentions"]
+    lines = [f"{report['intentions']} intentions"]
     if "age_p50_ms" in update:
         lines.append(
             f"from exposure to intention: {update['age_p50_ms']:.0f} ms (median), "
             f"{update['age_p99_ms']:.0f} ms (99 %)"
         )
-    lines += [
-        f"{name}: {stage['count']} frames"
-        + (f", {stage['took_p50_ms']:.1f} ms each (median)" if stage.get("took_p50_ms") else "")
-        + (f", {stage['skipped']} skipped for newer ones" if stage.get("skipped") else "")
-        + (f", {stage['failed']} FAILED" if stage.get("failed") else "")
-        for name, stage in report["stages"].items()
-    ]
+    for name, stage in report["stages"].items():
+        line = f"{name}: {stage['count']} frames"
+        if stage.get("duration_p50_ms"):
+            line += f", {stage['duration_p50_ms']:.1f} ms each (median)"
+        if stage.get("skipped"):
+            line += f", {stage['skipped']} skipped for newer frames"
+        if stage.get("failed"):
+            line += f", {stage['failed']} FAILED"
+        lines.append(line)
     return "\n".join(lines)

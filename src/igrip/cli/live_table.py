@@ -1,4 +1,4 @@
-"""What a live chain does, for the terminal and the page: rates, ages, and each hand in words."""
+"""The table of ``igrip live``: rates and latencies of each stage, and each hand in a sentence."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from rich.table import Table
 from igrip.describe import describe
 from igrip.intention import Intention
 
-COLUMNS = ("stage", "per second", "age", "took", "skipped", "failed")
+COLUMNS = ("stage", "frames/s", "age", "duration", "skipped", "failed")
 
 
 def rows_of(report: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, ...]]:
-    """Return a row of words for each stage of a pipeline's report."""
+    """Return the cells of a row for each stage of a pipeline's report."""
     return [
         (
             name,
             f"{stage.get('rate', 0.0):.1f}",
             _milliseconds(stage.get("age_p50_ms")),
-            _milliseconds(stage.get("took_p50_ms")),
+            _milliseconds(stage.get("duration_p50_ms")),
             str(stage.get("skipped", "-")),
             str(stage.get("failed", "-")),
         )
@@ -43,7 +43,7 @@ def table_of(
 
 
 def markdown_of(report: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the table for the page."""
+    """Return the table for the page, in Markdown."""
     lines = [" | ".join(COLUMNS), " | ".join("---" for _ in COLUMNS)]
     lines += [" | ".join(row) for row in rows_of(report)]
     return "\n".join(f"| {line} |" for line in lines)

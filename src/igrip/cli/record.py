@@ -1,4 +1,4 @@
-"""``igrip record``: what cameras see, into a file that Foxglove and igrip read."""
+"""``igrip record``: camera frames into a file that Foxglove and igrip read."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import typer
 
 from igrip.cli.console import errors, output
 from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_writer import McapWriter
-from igrip.io.recordings.recorder import Recorder
+from igrip.io.mcap.frame_recorder import FrameRecorder
+from igrip.io.mcap.writer import McapWriter
 from igrip.perception.cameras import Camera, CameraError, open_camera
 
-SAY_EVERY = 0.25  # s
+STATUS_EVERY = 0.25  # s
 
 
 def record(
@@ -25,10 +25,10 @@ def record(
         typer.Option(help="oak, realsense, webcam:0, replay:FILE; several joined by +."),
     ] = "oak",
     seconds: Annotated[
-        float | None, typer.Option(help="For how long. Default: until Ctrl-C.", min=0.0)
+        float | None, typer.Option(help="Duration [s]. Default: until Ctrl-C.", min=0.0)
     ] = None,
     calibration: Annotated[
-        Path | None, typer.Option(help="Where the cameras stand: a file of igrip calibrate.")
+        Path | None, typer.Option(help="The cameras' poses: a file written by igrip calibrate.")
     ] = None,
     lossless: Annotated[
         bool, typer.Option("--lossless", help="Colour as PNG; slower, and several times larger.")
@@ -37,7 +37,7 @@ def record(
     """Record colour, depth and intrinsics of cameras.
 
     Frames that cannot be written in time are dropped and counted. A kill or a pulled cable costs at
-    most the last half second. Exit code 1: a camera failed; what came before it is in the file.
+    most the last half second. Exit code 1: a camera failed; the frames before that are in the file.
 
     Example: igrip record --camera oak --out table.mcap --seconds 30
     """
@@ -48,49 +48,49 @@ def record(
         if note := getattr(device, "note", None):
             errors.print(note, style="yellow", soft_wrap=True)
         with McapWriter(out, lossless=lossless) as writer:
-            failed = _record(device, writer, seconds)
+            failure = _record(device, writer, seconds)
     finally:
         device.close()
-    if failed is not None:
-        errors.print(f"igrip: {failed}", style="red", soft_wrap=True)
+    if failure is not None:
+        errors.print(f"igrip: {failure}", style="red", soft_wrap=True)
         raise typer.Exit(1)
 
 
 def _record(camera: Camera, writer: McapWriter, seconds: float | None) -> CameraError | None:
-    """Record until it is over; return what a camera failed of."""
-    recorder, failed = Recorder(writer), None
+    """Record until the end, and return the error of a camera that failed."""
+    recorder, failure = FrameRecorder(writer), None
     first = last = 0.0
-    said = time.monotonic()
+    updated = time.monotonic()
     with errors.status("waiting for the first frame …") as status:
         try:
             for frame in camera:
-                first = frame.t if not recorder.taken else first
+                first = frame.t if not recorder.received else first
                 if seconds is not None and frame.t - first > seconds:
                     break
                 last = max(last, frame.t)
-                recorder.take(frame)
-                if time.monotonic() - said >= SAY_EVERY:
-                    said = time.monotonic()
-                    status.update(f"{_words(recorder, writer, last - first)}; Ctrl-C ends")
+                recorder.add(frame)
+                if time.monotonic() - updated >= STATUS_EVERY:
+                    updated = time.monotonic()
+                    status.update(f"{_summary(recorder, writer, last - first)}; Ctrl-C ends")
         except KeyboardInterrupt:
             pass
         except CameraError as error:
-            failed = error
+            failure = error
             with contextlib.suppress(RecordingError):
                 writer.write_event(last, "camera failed", message=str(error))
         finally:
             camera.close()
             try:
                 recorder.close()
-            finally:  # what is in the file is said even if the disk is full
-                words = _words(recorder, writer, last - first)
-                output.print(f"{writer.path}: {words}", soft_wrap=True)
-    return failed
+            finally:  # print what is in the file even if the disk is full
+                summary = _summary(recorder, writer, last - first)
+                output.print(f"{writer.path}: {summary}", soft_wrap=True)
+    return failure
 
 
-def _words(recorder: Recorder, writer: McapWriter, seconds: float) -> str:
+def _summary(recorder: FrameRecorder, writer: McapWriter, seconds: float) -> str:
     written = sum(n for topic, n in writer.counts.items() if topic.endswith("/colour"))
-    rate = f"{(recorder.taken - 1) / seconds:.1f} Hz" if seconds > 0.0 else "- Hz"
+    rate = f"{(recorder.received - 1) / seconds:.1f} Hz" if seconds > 0.0 else "- Hz"
     return (
         f"{written} frames, {seconds:.1f} s, {rate}, {writer.size / 1e6:.1f} MB, "
         f"{recorder.dropped} dropped"

@@ -1,26 +1,24 @@
-"""``igrip replay``: an estimator over a recording or a dataset."""
+"""``igrip replay``: estimators over a recording or a dataset."""
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from igrip.cli.console import errors, output, print_json, progress
-from igrip.cli.summaries import dataset_summary, print_dataset, print_recording, recording_summary
+from igrip.cli.summaries import print_dataset, print_recording, recording_summary
 from igrip.config import Config
 from igrip.errors import RecordingError
-from igrip.estimator import Estimator
-from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.recordings.files import open_writer
-from igrip.io.sources import open_source
-from igrip.lab.evaluation.replay import TrialResult, run_dataset
+from igrip.io.recordings import open_source, open_writer
+from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
+from igrip.lab.evaluation.runner import EstimatorRun, count_jobs, run_trials, spread
 from igrip.objects.catalog import load_objects
 from igrip.targets import TARGETS
 
@@ -48,11 +46,11 @@ def replay(
     ] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
-    """Run an estimator over recordings and sum up what it said.
+    """Run estimators over recordings and summarise the answers.
 
-    Over a dataset: trial success and accuracy at 40 and 60 % of the movement, for each estimator.
-    With --out, each line also says of which recording and estimator it is. Exit code 1 if some
-    trials could not be read.
+    Over a dataset: trial success and accuracy at 40 and 60 % of the movement for each estimator,
+    over all trials as in `igrip evaluate`. With --out, each line also names its recording and
+    estimator. Exit code 1 if some trials could not be scored.
 
     Example: igrip replay near-far --targets paper --targets repaired
     """
@@ -63,31 +61,29 @@ def replay(
         raise RecordingError(f"{recording}: no such file or folder")
     if recording.is_dir():
         _replay_dataset(recording, configs, objects or [], out, jobs, limit, as_json)
-        return
-    if len(configs) > 1:
-        raise RecordingError("one estimator at a time over a single recording, please")
-    _replay_recording(recording, configs[0], objects or ["ycb"], out, as_json)
+    elif len(configs) > 1:
+        raise RecordingError("name only one estimator for a single recording")
+    else:
+        _replay_recording(recording, configs[0], objects or ["ycb"], out, as_json)
 
 
 def _replay_recording(
     path: Path, config: Config, objects: list[str], out: Path | None, as_json: bool
 ) -> None:
     source = open_source(path)
-    estimator = Estimator(load_objects(*objects), config)
-    intentions: list[Intention] = []
-    messages, first, last = 0, 0.0, 0.0
+    run = EstimatorRun(load_objects(*objects), config)
+    times = []
     with _writer(out) as write, progress() as bar:
         task = bar.add_task(f"replaying {path.name}", total=None)
         for observation in source:
-            first = observation.t if not messages else first
-            last, messages = observation.t, messages + 1
-            for intention in estimator.update(observation):
-                intentions.append(intention)
+            times.append(observation.t)
+            for intention in run.update(observation):
                 write(intention)
             bar.advance(task)
-    summary = recording_summary(str(path), config.targets, messages, last - first, intentions)
+    seconds = times[-1] - times[0] if times else 0.0
+    summary = recording_summary(str(path), config.targets, len(times), seconds, run.intentions)
     cut = getattr(source, "cut", None)
-    summary |= {"cut": cut, "inputs": estimator.inputs()}
+    summary |= {"cut": cut, "inputs": run.estimator.inputs()}
     if as_json:
         print_json(summary)
     else:
@@ -106,24 +102,23 @@ def _replay_dataset(
     as_json: bool,
 ) -> None:
     dataset = Dataset.open(path)
-    trials = list(dataset.trials)
-    if 0 < limit < len(trials):
-        trials = [trials[k * len(trials) // limit] for k in range(limit)]
-    jobs = min(jobs or os.cpu_count() or 1, max(1, len(trials) // 20))
-    results: list[TrialResult] = []
+    catalog = load_objects(*(objects or dataset.objects))
+    trials = spread(dataset.trials, limit)
+    jobs = count_jobs(jobs, len(trials))
+    analyse = partial(replay_run, keep_intentions=out is not None)
+    replayed: list[ReplayedTrial] = []
     begin = time.perf_counter()
     with _writer(out) as write, progress() as bar:
         task = bar.add_task(f"replaying {dataset.name}", total=len(trials))
-        for done in run_dataset(dataset, configs, jobs, trials, objects, out is not None):
-            for result, intentions in done:
-                results.append(result)
-                origin = {"recording": result.trial.recording, "targets": result.targets}
+        for done in run_trials(dataset, catalog, configs, analyse, trials, jobs):
+            for row, intentions in zip(done.rows, done.intentions, strict=True):
                 for intention in intentions:
-                    write(intention, **origin)
+                    write(intention, recording=row["recording"], targets=row["targets"])
+            replayed.append(done._replace(intentions=[]))
             bar.advance(task)
     elapsed = time.perf_counter() - begin
-    summary = dataset_summary(dataset, results)
-    recorded = sum(result.recorded for result in results)
+    summary = summarise_replay(dataset, replayed)
+    recorded = sum(row.get("seconds", 0.0) for trial in replayed for row in trial.rows)
     summary |= {"processes": jobs, "seconds": elapsed, "times_real_time": recorded / elapsed}
     if as_json:
         print_json(summary)

@@ -1,4 +1,4 @@
-"""``igrip schema``: the JSON schema of the messages, as the code has it."""
+"""``igrip schema``: the JSON schemas of the messages, generated from the code."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from igrip.observation import Observation
 
 
 class Message(StrEnum):
-    """Which message."""
+    """The messages that have a schema."""
 
     observation = "observation"
     intention = "intention"

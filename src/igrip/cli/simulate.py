@@ -8,45 +8,41 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import output, print_json, progress
-from igrip.errors import IgripError
-from igrip.lab.simulation.cohort import simulate as write_cohort
-from igrip.lab.simulation.parameters import Profile, checksum, cohort
+from igrip.lab.simulation.cohort import simulate_cohort
+from igrip.lab.simulation.parameters import PROFILES, checksum, cohort_parameters
 from igrip.objects.catalog import load_objects
 
 
 def simulate(
     out: Annotated[Path, typer.Argument(help="A new folder for the dataset.")],
     participants: Annotated[int, typer.Option(help="Number of people.", min=1)] = 11,
-    seed: Annotated[int, typer.Option(help="Another seed, other people.", min=0)] = 0,
-    profile: Annotated[str, typer.Option(help="healthy, stroke or sci.")] = "healthy",
+    seed: Annotated[int, typer.Option(help="Seed of the random people and trials.", min=0)] = 0,
+    profile: Annotated[str, typer.Option(help=f"{', '.join(PROFILES)}.")] = "healthy",
     trials: Annotated[
-        int, typer.Option(help="Only the first so many trials of each; 0: all 128.", min=0)
+        int, typer.Option(help="Simulate only this many trials of each; 0: all 128.", min=0)
     ] = 0,
     no_reach: Annotated[
-        int, typer.Option(help="Minutes without any reach, a recording each.", min=0)
+        int, typer.Option(help="Minutes without a reach, one recording each.", min=0)
     ] = 30,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
 ) -> None:
-    """Simulate the paper's protocol: people × 128 trials × 2 cameras, shuffled and seeded.
+    """Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.
 
-    Every size of effect and its source: igrip/lab/simulation/parameters.py.
+    Every effect size and its source are listed in igrip/lab/simulation/parameters.py.
 
     Example: igrip simulate cohort --participants 11 --seed 0
     """
-    if profile not in ("healthy", "stroke", "sci"):
-        raise IgripError(f"there is no profile {profile!r:.80}: healthy, stroke or sci")
-    chosen: Profile = profile  # type: ignore[assignment]
-    parameters, catalog = cohort(chosen), load_objects("ycb")
+    parameters, catalog = cohort_parameters(profile), load_objects("ycb")
     done = 0
     with progress() as bar:
         task = bar.add_task(f"simulating {out.name}", total=None)
-        for done, total in write_cohort(
+        for done, total in simulate_cohort(
             out, catalog, parameters, participants, seed, trials or None, no_reach
         ):
             bar.update(task, completed=done, total=total)
-    told = {"recordings": done, "participants": participants, "profile": profile, "seed": seed,
-            "parameters": checksum(parameters)}  # fmt: skip
+    summary = {"recordings": done, "participants": participants, "profile": profile, "seed": seed,
+               "parameters": checksum(parameters)}  # fmt: skip
     if as_json:
-        print_json(told)
+        print_json(summary)
     else:
         output.print(f"{out}: {done} recordings of {participants} participants ({profile})")

@@ -2,170 +2,106 @@
 
 from __future__ import annotations
 
-import os
-import sys
-import threading
-from enum import StrEnum
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
 import typer
 
+from igrip.cli import estimator_setup as setup
 from igrip.cli.console import errors
-from igrip.commitment import ALL_HANDS, CommitmentConfig
-from igrip.config import Config
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
-from igrip.objects.catalog import Catalog, load_objects
-from igrip.observation import Observation
-from igrip.runtime.access import Access
-from igrip.runtime.outputs.stdout import StdoutOutput
-from igrip.runtime.service import Service, close
-from igrip.runtime.stdin import read_lines
-
-REPORT_EVERY = 1.0  # s between two looks at the counts for /status
-
-
-class Way(StrEnum):
-    """A way in."""
-
-    STDIN = "stdin"
-    WS = "ws"
-
-
-class Out(StrEnum):
-    """A way out."""
-
-    STDOUT = "stdout"
-    WS = "ws"
-    LSL = "lsl"
+from igrip.intention import Intention
+from igrip.objects.catalog import load_objects
+from igrip.runtime.clock_sync import ArrivalClock, SenderClock
+from igrip.runtime.inputs import INPUTS
+from igrip.runtime.loop import Loop
+from igrip.runtime.options import HANDS, Options
+from igrip.runtime.outputs import OUTPUTS
 
 
 def stream(
-    into: Annotated[
-        list[Way] | None, typer.Option("--in", help="Where observations come from; repeatable.")
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option("--in", help="Where observations come from: ws (default) or stdin; "
+                     "repeatable."),
     ] = None,
-    out: Annotated[
-        list[Out] | None, typer.Option("--out", help="Where intentions go; repeatable.")
+    outputs: Annotated[
+        list[str] | None,
+        typer.Option("--out", help="Where intentions go: ws (default), stdout or lsl; "
+                     "repeatable."),
     ] = None,
     objects: Annotated[
         list[str] | None, typer.Option(help="Where models come from. Default: ycb.")
     ] = None,
     preload: Annotated[
         list[str] | None,
-        typer.Option(help="A model to read now rather than when it first appears, which takes up "
-                     "to some seconds on a new machine; repeatable."),
+        typer.Option(help="A model to read now rather than when it first appears, which can take "
+                     "seconds on a new machine; repeatable."),
     ] = None,
-    targets: Annotated[str | None, typer.Option(help="Targets estimator.")] = None,
-    assisted: Annotated[
-        list[str] | None,
-        typer.Option(help="A hand that a device assists; repeatable. No other gets a commitment. "
-                     "Default: every hand."),
-    ] = None,
-    reliability: Annotated[
-        float, typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all.",
-                            min=0.0, max=1.0),
-    ] = CommitmentConfig().reliability,
-    confirm: Annotated[
-        bool, typer.Option("--confirm", help="Commit to what is confirmed from outside only.")
-    ] = False,
-    host: Annotated[str, typer.Option(help="Address of the WebSocket server.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Its port; 0: any.", min=0, max=65535)] = 8765,
-    token: Annotated[
-        str | None,
-        typer.Option(envvar="IGRIP_TOKEN", help="What clients must show; needed where others can "
-                     "reach the address."),
-    ] = None,
+    targets: setup.Targets = None,
+    assisted: setup.Assisted = None,
+    reliability: setup.Reliability = setup.RELIABILITY,
+    confirm: setup.Confirm = False,
+    host: setup.Host = "127.0.0.1",
+    port: setup.Port = 8765,
+    token: setup.Token = None,
     name: Annotated[str, typer.Option(help="Of the LSL streams.")] = "igrip",
     senders_clock: Annotated[
         bool | None,
         typer.Option("--senders-clock/--arrival-clock",
-                     help="Whether times are the sender's (a recording that is piped in; default "
-                     "with stdin alone) or of arrival."),
+                     help="Whether time is that of the sender (a recording that is piped in; the "
+                     "default with stdin alone) or that of arrival."),
     ] = None,
 ) -> None:  # fmt: skip
-    """Take observations from other programs and tell them intentions, until Ctrl-C.
+    """Receive observations from other programs and send them intentions, until Ctrl-C.
 
     WebSocket: observations to ws://HOST:PORT/observations, intentions from /intentions (JSON, or
     MessagePack with ?format=msgpack), counts at http://HOST:PORT/status. Messages: docs/stream.md.
 
     Example: igrip stream --in stdin --out stdout < reach.jsonl
     """
-    ways, outs = into or [Way.WS], out or [Out.WS]
-    lone = ways == [Way.STDIN]
-    if senders_clock and not lone:
-        raise IgripError("--senders-clock is for --in stdin alone: of several, one would rule time")
-    commitment = CommitmentConfig(
-        assisted=tuple(assisted) if assisted else ALL_HANDS, reliability=reliability,
-        needs_confirmation=confirm,
-    )  # fmt: skip
-    config = Config(commitment=commitment, targets=targets or Config().targets)
-    served = Way.WS in ways or Out.WS in outs
-    access = Access(host, token) if served else None
+    options = Options(host, port, token, name, tuple(assisted or HANDS))
+    members = {key: INPUTS.get(key)(options) for key in inputs or ["ws"]}
+    outlets = {key: OUTPUTS.get(key)(options) for key in outputs or ["ws"]}
+    piped = len(members) == 1 and all(member.single_sender for member in members.values())
+    if senders_clock and not piped:
+        raise IgripError(
+            "--senders-clock is for --in stdin alone: with several senders, one clock would rule"
+        )
+    config = setup.estimator_config(targets, assisted, reliability, confirm)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects(*(objects or ["ycb"]))
         for model in preload or []:
             catalog[model]
-        warm_up(config, catalog)
-    estimator = Estimator(catalog, config)
+        setup.warm_up(config, catalog)
     errors.print(f"commits for: {', '.join(assisted) if assisted else 'every hand'}")
-    service = Service(estimator, lone if senders_clock is None else senders_clock)
-    try:
-        if access is not None:
-            _serve(service, host, port, access, Way.WS in ways, Out.WS in outs)
-        if Out.STDOUT in outs:
-            service.outputs.append(StdoutOutput(patient=lone))
-        if Out.LSL in outs:
-            from igrip.runtime.outputs.lsl import HANDS, LslOutput
+    by_sender = piped if senders_clock is None else senders_clock
+    loop = Loop(
+        Estimator(catalog, config), SenderClock() if by_sender else ArrivalClock(), members,
+        outlets, piped, announce=lambda address: errors.print(address, soft_wrap=True),
+    )  # fmt: skip
 
-            hands = tuple(assisted) if assisted else HANDS
-            service.outputs.append(LslOutput(name, service.numbering.session, hands))
-        if Way.STDIN in ways:
-            threading.Thread(
-                target=read_lines, args=(sys.stdin.buffer, service, lone, lone), daemon=True
-            ).start()
-        service.run(REPORT_EVERY)
+    def stop_without_receivers(intentions: list[Intention]) -> None:
+        if loop.abandoned:
+            raise BrokenPipeError
+
+    try:
+        with loop:
+            loop.run(stop_without_receivers)
     except KeyboardInterrupt:
         errors.print("stopped")
     except BrokenPipeError:
         errors.print("nobody reads standard output any more")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     finally:
-        close(service.outputs)
-        errors.print(_words(service), soft_wrap=True)
+        errors.print(_summary(loop.status()), soft_wrap=True)
 
 
-def _serve(
-    service: Service, host: str, port: int, access: Access, takes: bool, tells: bool
-) -> None:
-    from igrip.runtime.websocket import WebSocketServer
-
-    server = WebSocketServer(
-        host, port, access, service.take, service.inbox.count, service.status, takes, tells
-    )
-    service.outputs.append(server)
-    service.answer = server.answer
-    address = f"[{host}]" if ":" in host else host
-    errors.print(f"ws://{address}:{server.port}", soft_wrap=True)
+def _summary(status: Mapping[str, Any]) -> str:
+    """Return the counts as one line."""
+    outputs = "; ".join(f"{name}: {_counts(counts)}" for name, counts in status["outputs"].items())
+    return f"{status['intentions']} intentions. In: {_counts(status['incoming'])}. Out: {outputs}."
 
 
-def warm_up(config: Config, catalog: Catalog) -> None:
-    """Compile before the first message comes, on a scene of no importance."""
-    model = next(iter(catalog), None)
-    if model is None:
-        raise IgripError("there are no objects to look for (--objects)")
-    pose = {"model": model, "position": [0.0, 0.4, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
-    estimator = Estimator(catalog, config)
-    for k in range(12):
-        hands = {"right": {"position": [0.0, 0.02 * k, 0.0]}}
-        estimator.update(Observation(t=k / 30.0, hands=hands, objects={"warm-up": pose}))
-
-
-def _words(service: Service) -> str:
-    """Sum up what happened, in a line."""
-    status = service.status()
-    incoming = ", ".join(f"{n} {what}" for what, n in status.get("incoming", {}).items())
-    outputs = "; ".join(
-        f"{kind}: {', '.join(f'{n} {what}' for what, n in counts.items())}"
-        for kind, counts in status.get("outputs", {}).items()
-    )
-    return f"{status.get('intentions', 0)} intentions. In: {incoming}. Out: {outputs or 'nothing'}."
+def _counts(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{number} {event}" for event, number in counts.items())

@@ -1,4 +1,4 @@
-"""``igrip view``: a recording in the browser, to be played, stepped and searched."""
+"""``igrip view``: playback of a recording in the browser."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from igrip.cli.console import errors, progress
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.sources import open_source
+from igrip.io.recordings import open_source
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
 from igrip.targets import TARGETS
-from igrip.viewer.playback import Player, ReplayWorker, make_film
+from igrip.viewer.playback import Player, ReplayWorker, replay_snapshots
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot
 
@@ -25,7 +25,7 @@ def view(
         Path, typer.Argument(help="A recording (.jsonl, .mcap), or a dataset's folder.")
     ],
     trial: Annotated[
-        int, typer.Option(help="Of a dataset: which row of trials.tsv, from 1 on.", min=1)
+        int, typer.Option(help="Of a dataset: the row of trials.tsv, from 1.", min=1)
     ] = 1,
     targets: Annotated[
         str | None, typer.Option(help="Targets estimator. Default: the library's.")
@@ -34,16 +34,16 @@ def view(
         list[str] | None,
         typer.Option(help="Where models come from, in place of the dataset's own or of ycb."),
     ] = None,
-    begin: Annotated[float, typer.Option(help="From this time of the recording on [s].")] = 0.0,
+    begin: Annotated[float, typer.Option(help="Start at this time of the recording [s].")] = 0.0,
     duration: Annotated[
         float,
-        typer.Option(help="At most so many seconds; all are kept in memory.", min=0.0),
+        typer.Option(help="Show at most this many seconds; all are kept in memory.", min=0.0),
     ] = 600.0,
     port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
 ) -> None:
-    """Look at a recording in the browser: play, pause, step, and go to any moment.
+    """Look at a recording in the browser: play, pause, step, and go to any time.
 
-    Another estimator, hand or panel is chosen on the page. Ctrl-C ends.
+    The page lets you choose another estimator, hand or panel. Ctrl-C ends.
 
     Example: igrip view near-far --trial 12
     """
@@ -51,14 +51,15 @@ def view(
     TARGETS.get(config.targets)
     path, catalog = _open(recording, trial, objects or [])
     observations = _read(path, begin + duration)
-    film = _film(path.name, observations, catalog, config, begin)
-    cutter = ReplayWorker(
-        lambda name: make_film(observations, catalog, Config(targets=name), film[0].t)
+    snapshots = _replay(path.name, observations, catalog, config, begin)
+    first = snapshots[0].t
+    worker = ReplayWorker(
+        lambda name: replay_snapshots(observations, catalog, Config(targets=name), first)
     )
-    viewer = Viewer(port=port, targets=config.targets, choose_targets=cutter.want)
+    viewer = Viewer(port=port, targets=config.targets, choose_targets=worker.request)
     viewer.note(path.name, f"by {config.targets}")
-    player = Player(viewer, film)
-    cutter.start(player.take, lambda text: viewer.note(path.name, text))
+    player = Player(viewer, snapshots)
+    worker.start(player.replace, lambda status: viewer.note(path.name, status))
     try:
         errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
         player.run()
@@ -69,7 +70,7 @@ def view(
 
 
 def _open(recording: Path, trial: int, objects: list[str]) -> tuple[Path, Catalog]:
-    """Return the recording to look at, and the models of its objects."""
+    """Return the recording to show, and the models of its objects."""
     if not recording.is_dir():
         if not recording.exists():
             raise RecordingError(f"{recording}: no such file or folder")
@@ -88,13 +89,13 @@ def _read(path: Path, until: float) -> list[Observation]:
     messages: list[Observation] = []
     for observation in open_source(path):
         if messages and observation.t - messages[0].t > until:
-            errors.print(f"{path.name} goes on; --begin and --duration choose what is shown")
+            errors.print(f"{path.name} goes on; --begin and --duration select what is shown")
             break
         messages.append(observation)
     return messages
 
 
-def _film(
+def _replay(
     name: str, observations: list[Observation], catalog: Catalog, config: Config, begin: float
 ) -> list[Snapshot]:
     with progress() as bar:
@@ -105,7 +106,7 @@ def _film(
             return observation
 
         first = observations[0].t + begin if observations else 0.0
-        film = make_film(map(counted, observations), catalog, config, first)
-    if not any(moment.hands for moment in film):
+        snapshots = replay_snapshots(map(counted, observations), catalog, config, first)
+    if not any(snapshot.hands for snapshot in snapshots):
         raise RecordingError(f"{name}: no hand is measured in this part, so nothing can be shown")
-    return film
+    return snapshots

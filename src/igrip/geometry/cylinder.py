@@ -64,6 +64,14 @@ class Cylinders(NamedTuple):
         """Velocities of the objects, shape (o, 3) [m/s]."""
         return self.rows[:, VELOCITY : VELOCITY + 3]
 
+    def one(self, o: int) -> Cylinders:
+        """Return cylinder ``o`` alone."""
+        return Cylinders(self.rows[o : o + 1])
+
+    def distance(self, o: int, point: Array) -> float:
+        """Return how far a point, shape (3,), is outside of cylinder ``o``; 0 inside [m]."""
+        return float(_distance_from(self.rows[o], point))
+
 
 @kernel
 def centre_of(row):
@@ -87,6 +95,19 @@ def size_of(row):
 def velocity_of(row):
     """Return the velocity of one cylinder, shape (3,) [m/s]; a view."""
     return row[VELOCITY : VELOCITY + 3]
+
+
+@kernel
+def _distance_from(row, point):
+    along = across2 = 0.0
+    for axis in range(3):
+        along += (point[axis] - row[CENTRE + axis]) * row[AXIS + axis]
+    for axis in range(3):
+        off = point[axis] - row[CENTRE + axis] - along * row[AXIS + axis]
+        across2 += off * off
+    beyond = max(abs(along) - row[HALF_LENGTH], 0.0)
+    outside = max(np.sqrt(across2) - row[RADIUS], 0.0)
+    return np.sqrt(beyond * beyond + outside * outside)
 
 
 @kernel

@@ -1,4 +1,7 @@
-"""How a rigid object can rest on a plane: the ways that let its centre of gravity sink no more."""
+"""Stable poses of rigid objects on a plane: their centre of gravity can sink no more.
+
+Why not by trimesh: docs/decisions.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ Array = NDArray[np.float64]
 
 DIRECTIONS = 4000  # about 3° apart
 NEIGHBOURS = 9
-APART = np.radians(25.0)  # resting poses nearer than this count as one; a fit bridges the rest
+SAME = np.radians(25.0)  # poses nearer than this count as one; a fit bridges the rest
 SNAP = np.radians(8.0)  # a face so near to the direction found is what the object rests on
 
 
@@ -36,7 +39,7 @@ class StablePoses(NamedTuple):
 
 
 def stable_poses(
-    vertices: Array, centre: Array, least: float = 0.02, most: int = 14
+    vertices: Array, centre: Array, min_probability: float = 0.02, max_poses: int = 14
 ) -> StablePoses:
     """Find how an object can rest on a plane.
 
@@ -50,11 +53,10 @@ def stable_poses(
         Of the mesh [m].
     centre : (3,)
         Centre of gravity, in the frame of the mesh [m].
-    least : float
-        Ways with a smaller probability are left out, unless there is none else or the mesh stands
-        as its file does.
-    most : int
-        And all but so many.
+    min_probability : float
+        Less likely ways are left out, unless there is no other or the mesh stands as its file does.
+    max_poses : int
+        That are returned.
     """
     hull = trimesh.convex.convex_hull(vertices)
     corners = np.asarray(hull.vertices) - centre
@@ -74,7 +76,7 @@ def stable_poses(
     for k in np.lexsort((ends, height[ends])):  # the lowest first: they draw in those beside them
         direction, probability = down[ends[k]], share[k] / len(down)
         for i, (other, so_far) in enumerate(found):
-            if other @ direction > np.cos(APART):
+            if other @ direction > np.cos(SAME):
                 found[i] = (other, so_far + probability)
                 break
         else:
@@ -84,10 +86,10 @@ def stable_poses(
     # people stand things up, however seldom they would fall so
     found.sort(key=lambda way: way[0][2] >= -np.cos(SNAP))  # stable
     stands = found[0][0][2] < -np.cos(SNAP)
-    kept = found[:1] + [way for way in found[1:] if way[1] >= least]
-    if not stands and len(kept) > 1 and kept[0][1] < least:
+    kept = found[:1] + [way for way in found[1:] if way[1] >= min_probability]
+    if not stands and len(kept) > 1 and kept[0][1] < min_probability:
         kept = kept[1:]
-    kept = kept[:most]
+    kept = kept[:max_poses]
     rotations = np.array([_turn_down(direction) for direction, _ in kept])
     heights = np.array([-(vertices @ R[2]).min() for R in rotations])
     return StablePoses(rotations, heights, np.array([way[1] for way in kept]))

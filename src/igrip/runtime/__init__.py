@@ -1,1 +1,1 @@
-"""The estimator at work: the loop, its inputs and its outputs."""
+"""The estimator at work: one loop, the inputs that feed it, the outputs that it sends to."""

@@ -1,4 +1,4 @@
-"""Who may connect: programs of this machine, and whoever knows the token."""
+"""Access control: programs of this machine may connect, and whoever has the token."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ def is_loopback(host: str) -> bool:
 
 
 class Access:
-    """Decides on each request before a connection is made.
+    """Admits or refuses requests before a connection is made.
 
-    A page of any site that is open in a browser of this machine can reach servers on loopback; the
-    browser names the site as ``Origin``, and no foreign one gets in without the token.
+    Any web page that is open in a browser of this machine can reach servers on loopback. The
+    browser sends the page's site as ``Origin``, and foreign sites are refused without the token.
 
     Parameters
     ----------
     host : str
         The address the server listens on.
     token : str, optional
-        What a client must show. Needed unless ``host`` is loopback.
+        Required of every client. Needed unless ``host`` is loopback.
 
     Raises
     ------
@@ -50,11 +50,11 @@ class Access:
         self._token = token
 
     def refusal(self, path: str, headers: Mapping[str, str]) -> str | None:
-        """Say in words why a request is refused; None: it is not."""
+        """Return the reason why a request is refused; None if it is admitted."""
         if self._token is not None:
-            told = headers.get("Authorization", "").removeprefix("Bearer ")
-            told = told or parse_qs(urlsplit(path).query).get("token", [""])[0]
-            if hmac.compare_digest(told.encode(), self._token.encode()):
+            token = headers.get("Authorization", "").removeprefix("Bearer ")
+            token = token or parse_qs(urlsplit(path).query).get("token", [""])[0]
+            if hmac.compare_digest(token.encode(), self._token.encode()):
                 return None
             return "a token is needed: ?token=… or the header Authorization: Bearer …"
         origin = headers.get("Origin")

@@ -1,9 +1,9 @@
-"""Intentions as other programs get them: numbered, with their age, and for how long a lease holds.
+"""Intentions as other programs get them: numbered, with their age, and how long a lease holds.
 
-A receiver's clock is another one, so the end of a lease is told as ``valid_for``, seconds from
-receipt. It is written at the last moment before a message leaves, so that waiting in a queue is
-taken off; ``sent``, the clock of the service then, lets a receiver take off how much longer than
-others a message was under way.
+A receiver has another clock, so the end of a lease is sent as ``valid_for``, seconds from receipt.
+It is computed when a message leaves, so that time in a queue is subtracted. By ``sent``, the
+service's clock at that moment, a receiver can subtract how much longer than others a message was
+under way.
 """
 
 from __future__ import annotations
@@ -18,48 +18,42 @@ import msgspec
 
 from igrip.intention import Intention
 
-Clock = Callable[[], float]
-
 
 @dataclass(frozen=True)
 class Envelope:
-    """An intention on its way.
+    """An intention on its way to the outputs.
 
     Attributes
     ----------
     intention : Intention
-        What is said.
+        The content.
     session : str
-        Of this run of the service; another one begins its ``seq`` anew.
+        Identifies this run of the service; another run begins its ``seq`` anew.
     seq : int
-        Grows by one with each intention of a session: a gap tells what was lost.
+        Grows by one with each intention of a session: a gap shows what was lost.
     arrived : float
-        When the message that led to it arrived, on ``clock`` [s].
-    clock : function
-        A monotonic clock of this machine [s].
+        When the message that led to it arrived, by ``now`` [s].
+    now : function
+        The time of the run [s].
     """
 
     intention: Intention
     session: str
     seq: int
     arrived: float
-    clock: Clock = field(default=time.monotonic, repr=False, compare=False)
+    now: Callable[[], float] = field(repr=False, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the message as it is to be sent now.
-
-        A lease that has ended meanwhile is sent as none.
-        """
+        """Return the message to send now; a lease that has ended meanwhile is left out."""
         message = self.intention.to_dict()
-        now = self.clock()
-        age = max(0.0, now - self.arrived)
+        age = max(0.0, self.now() - self.arrived)
         lease = self.intention.commitment
         left = None if lease is None else lease.valid_until - self.intention.t - age
         if left is not None and left <= 0.0:
             message["commitment"], left = None, None
         return message | {
-            "session": self.session, "seq": self.seq, "sent": round(now, 6), "age": round(age, 6),
-            "valid_for": None if left is None else round(left, 6),
+            "session": self.session, "seq": self.seq, "sent": round(time.monotonic(), 6),
+            "age": round(age, 6), "valid_for": None if left is None else round(left, 6),
         }  # fmt: skip
 
     def to_json(self) -> bytes:
@@ -72,14 +66,20 @@ class Envelope:
 
 
 class Sequencer:
-    """Numbers the intentions of one run."""
+    """Numbers the intentions of one run.
 
-    def __init__(self, clock: Clock = time.monotonic) -> None:
+    Parameters
+    ----------
+    now : function
+        The time of the run [s].
+    """
+
+    def __init__(self, now: Callable[[], float]) -> None:
         self.session = uuid.uuid4().hex[:12]
-        self._clock = clock
-        self._seq = 0
+        self.count = 0
+        self._now = now
 
-    def take(self, intention: Intention, arrived: float) -> Envelope:
+    def wrap(self, intention: Intention, arrived: float) -> Envelope:
         """Return the next envelope."""
-        self._seq += 1
-        return Envelope(intention, self.session, self._seq, arrived, self._clock)
+        self.count += 1
+        return Envelope(intention, self.session, self.count, arrived, self._now)

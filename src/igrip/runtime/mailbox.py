@@ -1,57 +1,60 @@
-"""A place between two threads that holds one thing: the newest. Nothing queues up."""
+"""A hand-over between threads in which a newer item replaces an older one."""
 
 from __future__ import annotations
 
 import threading
+from collections.abc import Hashable
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """Holds what was put last and not taken yet.
+    """Holds the newest item of each key until it is fetched.
 
     Attributes
     ----------
-    put_in, replaced : int
-        How many things came, and how many of them a newer one replaced before they were taken.
+    received, replaced : int
+        How many items were put, and how many a newer one of the same key replaced.
     """
 
     def __init__(self) -> None:
-        self._item: T | None = None
+        self._items: dict[Hashable, T] = {}
         self._change = threading.Condition()
         self._closed = False
-        self.put_in = self.replaced = 0
+        self.received = self.replaced = 0
 
-    def put(self, item: T) -> None:
-        """Put a thing in; returns at once."""
+    def put(self, item: T, key: Hashable = None) -> None:
+        """Add an item in place of the one that waits under its key; never blocks.
+
+        It keeps the place of the one it replaces: of two equally fast senders none starves.
+        """
         with self._change:
-            self.replaced += self._item is not None
-            self.put_in += 1
-            self._item = item
+            self.replaced += key in self._items
+            self.received += 1
+            self._items[key] = item
             self._change.notify_all()
 
-    def take(self, timeout: float | None = None) -> T | None:
-        """Take the thing out.
+    def get(self, timeout: float | None = None) -> T | None:
+        """Remove and return the item that has waited longest.
 
         Returns
         -------
         T or None
-            None if there is none for so long [s], or if nothing more will come.
+            None if there is none within ``timeout`` [s], or if the mailbox is closed and empty.
         """
         with self._change:
-            self._change.wait_for(lambda: self._item is not None or self._closed, timeout)
-            item, self._item = self._item, None
-            return item
+            self._change.wait_for(lambda: self._items or self._closed, timeout)
+            return self._items.pop(next(iter(self._items))) if self._items else None
 
     def close(self) -> None:
-        """Say that nothing more will come; what is there can still be taken."""
+        """Declare that no more items come; those that wait can still be fetched."""
         with self._change:
             self._closed = True
             self._change.notify_all()
 
     @property
-    def over(self) -> bool:
-        """Whether nothing is there and nothing will come."""
+    def finished(self) -> bool:
+        """Whether it is closed and empty."""
         with self._change:
-            return self._closed and self._item is None
+            return self._closed and not self._items

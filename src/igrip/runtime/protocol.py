@@ -1,45 +1,58 @@
-"""What producers send, taken apart: observations go on, words to the device's lease too."""
+"""The messages that other programs send: observations, and commands about a lease."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import msgspec
 
 from igrip.entities import text
 from igrip.errors import ObservationError
+from igrip.estimator import Estimator
+from igrip.intention import Intention
 from igrip.observation import Observation
 
-Word = Literal["veto", "confirm", "opened"]
-WORDS: tuple[Word, ...] = ("veto", "confirm", "opened")
-METHODS = {"veto": "veto", "confirm": "confirm", "opened": "notify_released"}  # of Estimator
-LARGEST = 1 << 18  # bytes of a message: ten times what 16 hands with landmarks and 256 objects take
-
-
+Action = Literal["veto", "confirm", "opened"]
+ACTIONS: tuple[Action, ...] = get_args(Action)
+MAX_SIZE = 1 << 18  # bytes of a message: ten times that of 16 hands with landmarks, 256 objects
 MAX_HANDS, MAX_OBJECTS, MAX_ID_LENGTH = 32, 512, 128
 
 
 class Command(NamedTuple):
-    """A word from outside about the lease of one hand, or of all."""
+    """A command from outside about the lease of one hand; None: of every hand."""
 
-    word: Word
+    action: Action
     hand: str | None
+
+    def apply(self, estimator: Estimator) -> list[Intention]:
+        """Carry it out; return the intentions that it changes.
+
+        Raises
+        ------
+        IgripError
+            If no device assists that hand.
+        """
+        methods = {
+            "veto": estimator.veto, "confirm": estimator.confirm,
+            "opened": estimator.notify_released,
+        }  # fmt: skip
+        return methods[self.action](self.hand)
 
 
 def decode(data: bytes | str) -> Observation | Command:
-    """Return what a message says: JSON, or MessagePack if it begins like a map of it.
+    """Return the message in JSON, or in MessagePack if it begins like a map of it.
 
-    ``{"control": "veto", "hand": "right"}`` is a word about a lease, everything else an
-    observation. Nesting is bounded by the decoders, size here.
+    ``{"control": "veto", "hand": "right"}`` is a command, everything else an observation. The
+    decoders bound nesting; size is bounded here.
 
     Raises
     ------
     ObservationError
-        If it is neither; nothing else is raised, whatever comes.
+        If it is neither; no input raises anything else.
     """
-    if len(data) > LARGEST:
-        raise ObservationError("message", f"is larger than {LARGEST} bytes")
+    if len(data) > MAX_SIZE:
+        raise ObservationError("message", f"is larger than {MAX_SIZE} bytes")
     if isinstance(data, bytes) and data[:1] >= b"\x80":
         try:
             raw = msgspec.msgpack.decode(data)
@@ -51,7 +64,7 @@ def decode(data: bytes | str) -> Observation | Command:
         except (ValueError, TypeError, RecursionError):
             return Observation.from_json(data)  # it names the field that is wrong
     if isinstance(raw, Mapping) and "control" in raw:
-        return _control(raw)
+        return _command(raw)
     _check_size(raw)
     try:
         return Observation.from_dict(raw)
@@ -60,21 +73,21 @@ def decode(data: bytes | str) -> Observation | Command:
 
 
 def _check_size(raw: Any) -> None:
-    """Refuse what no scene holds: it would cost everybody's time, and be told to everybody."""
+    """Refuse more than any scene holds: it would slow down every client."""
     if not isinstance(raw, Mapping):
         return
-    for part, most in (("hands", MAX_HANDS), ("objects", MAX_OBJECTS)):
+    for part, limit in (("hands", MAX_HANDS), ("objects", MAX_OBJECTS)):
         entities = raw.get(part)
         if not isinstance(entities, Mapping):
             continue
-        if len(entities) > most:
-            raise ObservationError(part, f"are {len(entities)}, more than {most}")
+        if len(entities) > limit:
+            raise ObservationError(part, f"are {len(entities)}, more than {limit}")
         if any(isinstance(id, str) and len(id) > MAX_ID_LENGTH for id in entities):
             raise ObservationError(part, f"an id has more than {MAX_ID_LENGTH} characters")
 
 
-def _control(raw: Mapping[str, Any]) -> Command:
-    word, hand = raw["control"], raw.get("hand")
-    if word not in WORDS:
-        raise ObservationError("control", f"must be one of {', '.join(WORDS)}")
-    return Command(word, None if hand is None else text(hand, "hand"))
+def _command(raw: Mapping[str, Any]) -> Command:
+    action, hand = raw["control"], raw.get("hand")
+    if action not in ACTIONS:
+        raise ObservationError("control", f"must be one of {', '.join(ACTIONS)}")
+    return Command(action, None if hand is None else text(hand, "hand"))

@@ -1,4 +1,4 @@
-"""A WebSocket server: observations in, intentions out, to any number of clients of any speed."""
+"""A WebSocket server: observations in, intentions out, for any number of clients of any speed."""
 
 from __future__ import annotations
 
@@ -7,41 +7,63 @@ import contextlib
 import http
 import json
 import logging
+import math
 import threading
 from collections import Counter
 from collections.abc import Callable, Coroutine
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from igrip.errors import IgripError, MissingExtraError, ObservationError
-from igrip.observation import Observation
+from igrip.errors import IgripError, ObservationError, requires_extra
 from igrip.runtime.access import Access
 from igrip.runtime.envelope import Envelope
-from igrip.runtime.protocol import LARGEST, Command, decode
+from igrip.runtime.loop import Loop, Sender
+from igrip.runtime.options import Options
+from igrip.runtime.protocol import MAX_SIZE, Command, decode
 
-try:
+with requires_extra("websockets", "outputs", "the WebSocket server"):
     from websockets.asyncio.server import ServerConnection, serve
     from websockets.exceptions import ConnectionClosed
     from websockets.http11 import Request, Response
-except ImportError:  # pragma: no cover - the extra is there where this is tested
-    raise MissingExtraError("websockets", "outputs", "the WebSocket server") from None
 
+OBSERVATIONS, INTENTIONS = "/observations", "/intentions"
 MAX_CLIENTS = 32
-BEHIND = 1024  # intentions that may wait for one client
-ERROR_EVERY = 1.0  # s between two answers to one sender of what cannot be read
+MAX_BEHIND = 1024  # intentions that may wait for one client
+REPLY_INTERVAL = 1.0  # s between two replies to a client about messages that were not accepted
 TOO_LARGE = 1009  # RFC 6455
 TRY_LATER = 1013  # RFC 6455 registry: try again later
 
-# whoever knocks and goes away would fill the terminal: these are no errors of ours
+# clients that connect and vanish would fill the terminal: these are no errors of ours
 log = logging.getLogger("igrip.websocket")
 log.addHandler(logging.NullHandler())
 log.propagate = False
 
-Take = Callable[[Observation | Command, object], None]
+
+class _Client:
+    """One connection; all that is known of it ends with it."""
+
+    def __init__(self, connection: ServerConnection, sender: Sender) -> None:
+        self.connection, self.sender = connection, sender
+        self.waiting: asyncio.Queue[Envelope] = asyncio.Queue(MAX_BEHIND)
+        self._replied, self._unanswered = -math.inf, 0
+
+    async def reply(self, error: ObservationError) -> None:
+        """Report what was wrong with a message, but not too often."""
+        now = asyncio.get_running_loop().time()
+        self._unanswered += 1
+        if now - self._replied < REPLY_INTERVAL:
+            return
+        reply = {"error": str(error), "field": error.field, "count": self._unanswered}
+        self._replied, self._unanswered = now, 0
+        with contextlib.suppress(ConnectionClosed, TimeoutError):
+            await asyncio.wait_for(self.connection.send(json.dumps(reply)), REPLY_INTERVAL)
 
 
 class WebSocketServer:
-    """``/observations`` (in), ``/intentions`` (out) and ``/status`` (HTTP), in a thread of its own.
+    """``/observations`` (in), ``/intentions`` (out) and ``/status`` (HTTP), in its own thread.
+
+    Commands are accepted on both paths, observations on their own only. It serves the paths that
+    :meth:`shared` is called with.
 
     Parameters
     ----------
@@ -49,192 +71,196 @@ class WebSocketServer:
         Where to listen; port 0: any that is free.
     access : Access
         Who may connect.
-    take : function
-        Called with each observation or word that came in, and a key of its sender.
-    count : function
-        Called with what befell a message that was not taken.
-    status : function
-        Returns what ``/status`` tells.
-    takes, tells : bool
-        Whether observations may come in, and intentions go out.
-
-    Raises
-    ------
-    IgripError
-        If the address cannot be listened on.
     """
 
-    def __init__(
-        self, host: str, port: int, access: Access, take: Take, count: Callable[[str], None],
-        status: Callable[[], dict[str, Any]], takes: bool = True, tells: bool = True,
-    ) -> None:  # fmt: skip
-        self._access, self._take, self._count, self._status = access, take, count, status
-        self._paths = ["/observations"] * takes + ["/intentions"] * tells
-        self._clients: dict[ServerConnection, asyncio.Queue[Envelope]] = {}
-        self._connections = 0
-        self._working: set[asyncio.Future[None]] = set()
-        self._open: set[ServerConnection] = set()
-        self._answered: dict[ServerConnection, tuple[float, int]] = {}
-        self._sent: Counter[str] = Counter()
-        self._loop = asyncio.new_event_loop()
+    single_sender = False
+
+    def __init__(self, host: str, port: int, access: Access) -> None:
+        self._host, self.port, self._access = host, port, access
+        self._paths: set[str] = set()
+        self._clients: set[_Client] = set()
+        self._listeners: set[_Client] = set()  # clients of /intentions
+        self._counts: Counter[str] = Counter()
+        self._events: asyncio.AbstractEventLoop | None = None
+        self._background: set[asyncio.Task[None]] = set()
         self._stop = asyncio.Event()
-        self._ready: threading.Event = threading.Event()
+        self._ready = threading.Event()
         self._error: OSError | None = None
-        self.port = port
-        self._thread = threading.Thread(
-            target=self._run, args=(host, port), name="igrip-websocket", daemon=True
-        )
+        self._thread: threading.Thread | None = None
+
+    @classmethod
+    def shared(cls, options: Options, path: str) -> WebSocketServer:
+        """Return the one server of a run; it serves this path too."""
+        if "websocket" not in options.shared:
+            access = Access(options.host, options.token)
+            options.shared["websocket"] = cls(options.host, options.port, access)
+        server: WebSocketServer = options.shared["websocket"]
+        server._paths.add(path)
+        return server
+
+    def start(self, loop: Loop) -> None:
+        """Begin to listen, unless it does so already.
+
+        Raises
+        ------
+        IgripError
+            If the address cannot be listened on.
+        """
+        if self._thread is not None:
+            return
+        self._loop = loop
+        self._thread = threading.Thread(target=self._run, name="igrip-websocket", daemon=True)
         self._thread.start()
         self._ready.wait()
         if self._error is not None:
-            raise IgripError(f"cannot listen on {host}:{port}: {self._error.strerror}")
+            raise IgripError(f"cannot listen on {self._host}:{self.port}: {self._error.strerror}")
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        loop.announce(f"ws://{host}:{self.port}")
 
     def send(self, envelope: Envelope) -> None:
-        """Hand an intention to every client; never waits."""
-        with contextlib.suppress(RuntimeError):  # the loop has ended: nobody is there
-            self._loop.call_soon_threadsafe(self._spread, envelope)
+        """Queue an intention for every client; never blocks."""
+        self._call_soon(self._send_to_all, envelope)
 
     def counts(self) -> dict[str, int]:
-        """Return how many messages were sent, and how many clients dropped."""
-        return dict(self._sent) | {"clients": len(self._clients)}
+        """Return how many messages were sent and lost, and how many clients there are."""
+        return dict(self._counts) | {"clients": len(self._listeners)}
 
     def close(self) -> None:
-        """Say goodbye to all clients and end the thread."""
-        with contextlib.suppress(RuntimeError):
-            self._loop.call_soon_threadsafe(self._stop.set)
-        self._thread.join(timeout=5.0)
+        """Close all connections and end the thread."""
+        self._call_soon(self._stop.set)
+        if self._thread is not None:
+            self._thread.join(timeout=5.0)
 
-    def _run(self, host: str, port: int) -> None:
-        asyncio.set_event_loop(self._loop)
+    def _call_soon(self, function: Callable[..., object], *arguments: object) -> None:
+        """Call a function in the server's thread; from any thread."""
+        if self._events is not None:
+            with contextlib.suppress(RuntimeError):  # the server has ended: nobody is connected
+                self._events.call_soon_threadsafe(function, *arguments)
+
+    def _run(self) -> None:
         try:
-            self._loop.run_until_complete(self._serve(host, port))
+            asyncio.run(self._serve())
         except OSError as error:
             self._error = error
         finally:
             self._ready.set()
-            self._loop.close()
 
-    async def _serve(self, host: str, port: int) -> None:
+    async def _serve(self) -> None:
+        self._events = asyncio.get_running_loop()
         async with serve(
-            self._connected, host, port, process_request=self._asked, max_size=LARGEST,
-            max_queue=16, compression=None, close_timeout=1.0, server_header=None, ping_timeout=60,
-            logger=log,
+            self._connected, self._host, self.port, process_request=self._answer,
+            max_size=MAX_SIZE, max_queue=16, compression=None, close_timeout=1.0,
+            server_header=None, ping_timeout=60, logger=log,
         ) as server:  # fmt: skip
             self.port = server.sockets[0].getsockname()[1]
             self._ready.set()
             await self._stop.wait()
 
-    def _asked(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Answer requests that do not become a connection."""
+        path = urlsplit(request.path).path
         refusal = self._access.refusal(request.path, request.headers)
         if refusal is not None:
             return connection.respond(http.HTTPStatus.FORBIDDEN, refusal + "\n")
-        path = urlsplit(request.path).path
         if path == "/status":
-            answer = connection.respond(http.HTTPStatus.OK, json.dumps(self._status()) + "\n")
-            answer.headers["Content-Type"] = "application/json"
-            return answer
+            body = json.dumps(self._loop.status()) + "\n"
+            response = connection.respond(http.HTTPStatus.OK, body)
+            response.headers["Content-Type"] = "application/json"
+            return response
         if path not in self._paths:
-            words = f"there are {', '.join(self._paths)} and /status\n"
-            return connection.respond(http.HTTPStatus.NOT_FOUND, words)
-        if self._connections >= MAX_CLIENTS:
-            words = f"there are {MAX_CLIENTS} clients already\n"
-            return connection.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, words)
+            reason = f"there are {', '.join(sorted(self._paths))} and /status\n"
+            return connection.respond(http.HTTPStatus.NOT_FOUND, reason)
+        if len(self._clients) >= MAX_CLIENTS:
+            reason = f"there are {MAX_CLIENTS} clients already\n"
+            return connection.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, reason)
         return None
 
     async def _connected(self, connection: ServerConnection) -> None:
         assert connection.request is not None
-        asked = urlsplit(connection.request.path)
-        self._connections += 1
-        self._open.add(connection)
+        url = urlsplit(connection.request.path)
+        sender = Sender(lambda error: self._call_soon(self._reply, client, error))
+        client = _Client(connection, sender)
+        self._clients.add(client)
         try:
-            if asked.path == "/observations":
-                await self._receive(connection)
+            if url.path == OBSERVATIONS:
+                await self._receive(client, observations=True)
             else:
-                packed = parse_qs(asked.query).get("format") == ["msgpack"]
-                await self._tell(connection, packed)
-        except ConnectionClosed:
-            pass
+                await self._converse(client, parse_qs(url.query).get("format") == ["msgpack"])
         finally:
-            self._connections -= 1
-            self._open.discard(connection)
-            self._answered.pop(connection, None)
-            if connection.close_code == TOO_LARGE:
-                self._count("too_large")
+            self._clients.discard(client)
 
-    def answer(self, sender: object, error: ObservationError) -> None:
-        """Tell a client what was wrong with what it sent, but not too often; from any thread."""
-        if isinstance(sender, ServerConnection):
-            with contextlib.suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(self._answer, sender, error)
+    def _reply(self, client: _Client, error: ObservationError) -> None:
+        self._run_in_background(client.reply(error))
 
-    def _answer(self, connection: ServerConnection, error: ObservationError) -> None:
-        answered, unanswered = self._answered.get(connection, (-ERROR_EVERY, 0))
-        now = self._loop.time()
-        if connection not in self._open or now - answered < ERROR_EVERY:
-            self._answered[connection] = (answered, unanswered + 1)
-            return
-        told = {"error": str(error), "field": error.field, "count": unanswered + 1}
-        self._answered[connection] = (now, 0)
-        self._background(asyncio.wait_for(connection.send(json.dumps(told)), ERROR_EVERY))
+    def _run_in_background(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._background.add(task)
+        task.add_done_callback(self._background.discard)
 
-    def _background(self, work: Coroutine[Any, Any, None]) -> None:
-        async def done() -> None:
-            with contextlib.suppress(ConnectionClosed, TimeoutError):
-                await work
-
-        task = asyncio.ensure_future(done())
-        self._working.add(task)
-        task.add_done_callback(self._working.discard)
-
-    async def _receive(self, connection: ServerConnection) -> None:
-        """Take what a client sends."""
-        async for data in connection:
-            try:
-                self._take(decode(data), connection)
-            except ObservationError as error:
-                self._count("malformed")
-                self._answer(connection, error)
-            await asyncio.sleep(0)  # one that floods must not keep the others from being served
-
-    async def _tell(self, connection: ServerConnection, packed: bool) -> None:
-        """Send intentions to one client, each as it is at that moment; take its words."""
-        waiting: asyncio.Queue[Envelope] = asyncio.Queue(BEHIND)
-        self._clients[connection] = waiting
-        listening = asyncio.ensure_future(self._receive(connection))
+    async def _receive(self, client: _Client, observations: bool) -> None:
+        """Submit what a client sends, until it goes."""
         try:
-            while not listening.done():
-                getting = asyncio.ensure_future(waiting.get())
-                await asyncio.wait({getting, listening}, return_when=asyncio.FIRST_COMPLETED)
-                if not getting.done():
-                    getting.cancel()
-                    break
-                envelope = getting.result()
-                # text frames for JSON: a browser makes a blob of the others
-                await connection.send(
-                    envelope.to_msgpack() if packed else envelope.to_json().decode()
-                )
-                self._sent["sent"] += 1
-        finally:
-            self._clients.pop(connection, None)
-            self._sent["lost"] += waiting.qsize()
-            listening.cancel()
-            with contextlib.suppress(asyncio.CancelledError, ConnectionClosed):
-                await listening
+            async for data in client.connection:
+                await self._accept(data, client, observations)
+                await asyncio.sleep(0)  # one that floods must not keep the others from being served
+        except ConnectionClosed as closed:
+            if closed.sent is not None and closed.sent.code == TOO_LARGE:
+                self._loop.count("too_large")
 
-    def _spread(self, envelope: Envelope) -> None:
-        for connection, waiting in list(self._clients.items()):
+    async def _accept(self, data: bytes | str, client: _Client, observations: bool) -> None:
+        try:
+            message = decode(data)
+        except ObservationError as error:
+            self._loop.count("malformed")
+            await client.reply(error)
+            return
+        if observations or isinstance(message, Command):
+            self._loop.submit(message, client.sender)
+        else:
+            self._loop.count("refused")
+            await client.reply(ObservationError("message", "observations are not accepted here"))
+
+    async def _converse(self, client: _Client, packed: bool) -> None:
+        """Send intentions to a client and receive its commands, until it goes."""
+        tasks = [
+            asyncio.ensure_future(self._receive(client, observations=False)),
+            asyncio.ensure_future(self._send_waiting(client, packed)),
+        ]
+        self._listeners.add(client)
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        self._listeners.discard(client)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        self._counts["lost"] += client.waiting.qsize()
+
+    async def _send_waiting(self, client: _Client, packed: bool) -> None:
+        """Send intentions, each as it is at that moment."""
+        while True:
+            envelope = await client.waiting.get()
+            # text frames for JSON: a browser makes a blob of the others
+            data = envelope.to_msgpack() if packed else envelope.to_json().decode()
             try:
-                waiting.put_nowait(envelope)
+                await client.connection.send(data)
+            except BaseException:
+                self._counts["lost"] += 1
+                raise
+            self._counts["sent"] += 1
+
+    def _send_to_all(self, envelope: Envelope) -> None:
+        for client in list(self._listeners):
+            try:
+                client.waiting.put_nowait(envelope)
             except asyncio.QueueFull:
-                self._sent["lost"] += 1
-                self._sent["dropped_clients"] += 1
-                del self._clients[connection]
-                self._background(self._drop(connection))
+                self._counts["lost"] += 1
+                self._counts["dropped_clients"] += 1
+                self._listeners.discard(client)
+                self._run_in_background(self._drop(client.connection))
 
     async def _drop(self, connection: ServerConnection) -> None:
-        """Tell a client that was too slow, and let it go, whether it listens or not."""
+        """Close a client that is too slow, whether it listens or not."""
         with contextlib.suppress(Exception):
             await asyncio.wait_for(
-                connection.close(TRY_LATER, f"too slow: {BEHIND} intentions behind"), 2.0
+                connection.close(TRY_LATER, f"too slow: {MAX_BEHIND} intentions behind"), 2.0
             )
         connection.transport.abort()

@@ -27,11 +27,15 @@ class TargetEstimate(NamedTuple):
         The scores by which it was chosen.
     probability : (o + 1,) or None
         Probability of each object and, last, of none; None if the scores are not calibrated.
+    familiarity : float or None
+        How like the movements it learned from this one is, from 0 to 1; None if it learned from
+        none, or the hand rests.
     """
 
     target: int | None
     scores: Scores
     probability: Scores | None = None
+    familiarity: float | None = None
 
 
 class TargetsEstimator(Protocol):

@@ -21,6 +21,7 @@ from igrip.compiled import kernel
 from igrip.geometry.scene import Geometry
 from igrip.motion.trajectory import Motion
 from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
+from igrip.targets.learned.familiarity import Familiarity
 from igrip.targets.learned.features import features_of
 from igrip.targets.learned.network import Scorer, read_scorer
 
@@ -92,6 +93,7 @@ class Bayes:
         self._ids: list[str] = []
         self._posterior = resting_posterior(0)
         self._t = math.nan
+        self._familiarity = Familiarity()
 
     def update(
         self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
@@ -112,16 +114,21 @@ class Bayes:
         arrived = objects > 0 and posterior[:-1].max() > posterior[-1]
         observed = moving or (motion.reach.may_move and not arrived)
         if observed and objects:
-            scores = self._scorer.score(features_of(motion.reach, geometry.cylinders()))
+            features = features_of(motion.reach, geometry.cylinders())
+            self._familiarity.update(motion.t, features.shared)
+            scores = self._scorer.score(features)
             keep = math.exp(-passed / self._scorer.memory)
             pool(posterior, scores, keep, -math.expm1(-SWITCH_RATE * passed))
         elif not observed:
             keep = math.exp(-min(passed, MAX_REST_STEP) / REST_TIME_CONSTANT)
             posterior[:] = keep * posterior + (1.0 - keep) * resting_posterior(objects)
+            self._familiarity.reset()
         best = best_of(posterior[:-1])
         limit = MAX_NONE if moving or best is None else float(posterior[best])
         target = best if posterior[-1] <= limit else None
-        return TargetEstimate(target, posterior[:-1].copy(), posterior.copy())
+        return TargetEstimate(
+            target, posterior[:-1].copy(), posterior.copy(), self._familiarity.value
+        )
 
     def _follow_objects(self, ids: list[str]) -> None:
         """Carry the posterior over to the present objects; that of vanished ones goes to none."""

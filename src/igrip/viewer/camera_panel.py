@@ -1,4 +1,4 @@
-"""The camera's picture on the page beside the scene, drawn in its own thread, newest first."""
+"""The cameras' pictures beside the scene, drawn in a thread of their own, newest first."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from igrip.runtime.mailbox import Mailbox
 from igrip.viewer.overlay import draw_overlay
 
 log = logging.getLogger(__name__)
-EVERY = 0.1  # s between two pictures: pages need no more, and encoding takes a core's time
+INTERVAL = 0.1  # s between two pictures: a page needs no more, and encoding takes time of a core
 
 
-class Seen(NamedTuple):
-    """What a picture is drawn from; see :func:`igrip.viewer.overlay.draw_overlay`."""
+class CameraView(NamedTuple):
+    """What a picture shows; the arguments of :func:`igrip.viewer.overlay.draw_overlay`."""
 
     frame: RgbdFrame
     landmarks: Mapping[str, NDArray[np.float64]]
@@ -30,8 +30,8 @@ class Seen(NamedTuple):
     intentions: Sequence[Intention]
 
 
-class PicturePanel:
-    """Pictures of one or several cameras on a page, and a table of the stages' rates and ages.
+class CameraPanel:
+    """Pictures of one or several cameras on a page, above a table.
 
     Parameters
     ----------
@@ -41,41 +41,41 @@ class PicturePanel:
 
     def __init__(self, server: Any) -> None:
         self._gui = server.gui
-        self._panels: dict[str, Any] = {}
-        self._waiting: Mailbox[dict[str, Seen]] = Mailbox()
+        self._images: dict[str, Any] = {}
+        self._views: Mailbox[dict[str, CameraView]] = Mailbox()
         self._table = self._gui.add_markdown("")
         self.drawn = 0
         self._thread = threading.Thread(target=self._run, name="igrip-picture", daemon=True)
         self._thread.start()
 
-    def show(self, seen: dict[str, Seen]) -> None:
-        """Hand over what each camera saw; returns at once."""
-        self._waiting.put(seen)
+    def show(self, views: dict[str, CameraView]) -> None:
+        """Show the newest view of each camera; never blocks."""
+        self._views.put(views)
 
-    def tell(self, table: str) -> None:
-        """Show a text under the pictures."""
-        self._table.content = table
+    def set_table(self, markdown: str) -> None:
+        """Show a table below the pictures."""
+        self._table.content = markdown
 
     def close(self) -> None:
-        """Draw no more."""
-        self._waiting.close()
+        """Stop drawing."""
+        self._views.close()
         self._thread.join(2.0)
 
     def _run(self) -> None:
-        while not self._waiting.over:
-            seen = self._waiting.take()
-            if seen is None:
+        while not self._views.finished:
+            views = self._views.get()
+            if views is None:
                 continue
             try:
-                for camera, one in sorted(seen.items()):
-                    self._draw(camera, draw_overlay(*one))
+                for camera, view in sorted(views.items()):
+                    self._draw(camera, draw_overlay(*view))
                 self.drawn += 1
             except Exception:  # a picture that cannot be drawn must not end the page
                 log.exception("a picture was not drawn")
-            time.sleep(EVERY)
+            time.sleep(INTERVAL)
 
     def _draw(self, camera: str, picture: NDArray[np.uint8]) -> None:
-        if camera not in self._panels:
-            self._panels[camera] = self._gui.add_image(picture, label=camera, format="jpeg")
+        if camera not in self._images:
+            self._images[camera] = self._gui.add_image(picture, label=camera, format="jpeg")
         else:
-            self._panels[camera].image = picture
+            self._images[camera].image = picture

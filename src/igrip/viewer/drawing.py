@@ -1,4 +1,4 @@
-"""A moment drawn in three dimensions: objects, hands, paths, rays (paper: Figure 4B)."""
+"""A snapshot drawn in three dimensions: objects, hands, paths, rays (paper: Figure 4B)."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ TARGET = (60, 200, 90)
 HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
 PAST, FUTURE, IMPACT = (200, 60, 60), (40, 160, 60), (220, 30, 200)
 HIT, MISS = (215, 120, 205), (175, 175, 185)
-KEPT = 10.0  # seconds for which something absent is kept, hidden
-DRAWN = 2  # one ray in two is drawn: all of them would hide what they point at
+KEEP_HIDDEN = 10.0  # seconds for which an absent hand or object is kept, hidden
+RAY_STEP = 2  # every second ray is drawn: all of them would hide the target
 
 
 class SceneDrawing:
-    """Draws moments into a viser server.
+    """Draws snapshots into a viser server.
 
     Attributes
     ----------
     colours : dict
-        Colour of each object that was drawn, by id, red, green, blue in 0-255.
+        Colour of each drawn object by id: red, green, blue in 0-255.
     """
 
     def __init__(self, server: Any) -> None:
         self._scene = server.scene
         self._handles: dict[str, Any] = {}
-        self._seen: dict[str, float] = {}  # when each thing was drawn last [s]
+        self._last_present: dict[str, float] = {}  # time of each hand and object [s]
         self.colours: dict[str, tuple[int, int, int]] = {}
         self._scene.set_up_direction("+z")
         self._scene.add_grid(
@@ -49,16 +49,16 @@ class SceneDrawing:
         server.initial_camera.look_at = (0.09, 0.27, 0.05)
 
     def draw(self, snapshot: Snapshot, rays: bool = True, only: str | None = None) -> None:
-        """Draw a moment.
+        """Draw a snapshot.
 
         Parameters
         ----------
         snapshot : Snapshot
-            What to draw.
+            The snapshot.
         rays : bool
-            Whether rays and impacts are shown.
+            Whether to draw rays and impacts.
         only : str, optional
-            The hand whose path and rays are shown; by default those of all.
+            The hand whose path and rays are drawn; by default all hands.
         """
         targets = {
             hand.target.id for hand in snapshot.hands
@@ -75,28 +75,29 @@ class SceneDrawing:
             self._draw_hand(snapshot, hand, shown, shown and rays)
 
     def _forget(self, present: set[str], t: float) -> None:
-        """Hide what is not there; remove it for good after a while, since ids may never return."""
-        for thing in present:
-            self._seen[thing] = t
-        gone = {thing for thing, seen in self._seen.items() if not 0.0 <= t - seen <= KEPT}
-        kept = set(self._handles)
-        for name in kept:
-            thing = "/".join(name.split("/")[:3])
-            if thing in gone:
+        """Hide what is absent; remove it after a while, since its id may never return."""
+        self._last_present |= dict.fromkeys(present, t)
+        gone = {
+            path for path, last in self._last_present.items() if not 0.0 <= t - last <= KEEP_HIDDEN
+        }
+        names = set(self._handles)
+        for name in names:
+            path = "/".join(name.split("/")[:3])
+            if path in gone:
                 handle = self._handles.pop(name)
-                if name.rpartition("/")[0] not in kept:  # or else it goes with its parent
+                if name.rpartition("/")[0] not in names:  # otherwise its parent removes it
                     handle.remove()
-            elif thing not in present:
+            elif path not in present:
                 self._handles[name].visible = False
-        for thing in gone:
-            del self._seen[thing]
-            self.colours.pop(unquote(thing.split("/")[2]), None)
+        for path in gone:
+            del self._last_present[path]
+            self.colours.pop(unquote(path.split("/")[2]), None)
 
     def _draw_object(self, placed: PlacedObject, is_target: bool) -> None:
         name = _path("objects", placed.id)
         if placed.id not in self.colours:
             used = list(self.colours.values())
-            self.colours[placed.id] = min(COLOURS, key=used.count)  # the least used
+            self.colours[placed.id] = min(COLOURS, key=used.count)  # the rarest
         own = self.colours[placed.id]
         colour = TARGET if is_target else own
         mesh = self._handle(
@@ -142,34 +143,34 @@ class SceneDrawing:
         self._points(f"{path}/past", hand.past[:-1] if shown else hand.past[:0], PAST, 0.006)
         self._points(f"{path}/future", future, FUTURE, 0.010)
         self._points(f"{path}/impacts", hits[:, 1], IMPACT, 0.005)
-        self._lines(f"{path}/hits", hits[::DRAWN], HIT)
-        self._lines(f"{path}/misses", misses[::DRAWN], MISS)
+        self._lines(f"{path}/hits", hits[::RAY_STEP], HIT)
+        self._lines(f"{path}/misses", misses[::RAY_STEP], MISS)
 
     def _points(
         self, name: str, points: NDArray[np.float64], colour: tuple[int, ...], size: float
     ) -> None:
-        handle = self._handle(
-            name,
+        self._set_points(
+            name, points,
             lambda: self._scene.add_point_cloud(
                 name, np.zeros((1, 3), np.float32), colour, point_size=size, point_shape="circle",
                 precision="float32",
             ),
         )  # fmt: skip
-        handle.visible = len(points) > 0
-        if len(points):
-            handle.points = points.astype(np.float32)
 
     def _lines(self, name: str, segments: NDArray[np.float64], colour: tuple[int, ...]) -> None:
-        handle = self._handle(
-            name,
+        self._set_points(
+            name, segments,
             lambda: self._scene.add_line_segments(
                 name, np.zeros((1, 2, 3), np.float32), colour, thickness=1.0,
                 thickness_units="screen",
             ),
         )  # fmt: skip
-        handle.visible = len(segments) > 0
-        if len(segments):
-            handle.points = segments.astype(np.float32)
+
+    def _set_points(self, name: str, points: NDArray[np.float64], make: Callable[[], Any]) -> None:
+        handle = self._handle(name, make)
+        handle.visible = len(points) > 0
+        if len(points):
+            handle.points = points.astype(np.float32)
 
     def _handle(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._handles:
@@ -178,12 +179,12 @@ class SceneDrawing:
 
 
 def _path(kind: str, id: str) -> str:
-    """Return a name in the page's tree; an id may hold any character, a slash among them."""
+    """Return a path in the page's tree; an id may contain any character, also a slash."""
     return f"/{kind}/{quote(id, safe='')}"
 
 
 def _top(placed: PlacedObject) -> NDArray[np.float64]:
-    """Return the end of the object's cylinder that is higher in the world, mesh frame [m]."""
+    """Return the upper end of the object's cylinder, in the mesh frame [m]."""
     model = placed.model
     up = 1.0 if (placed.rotation @ model.axis)[2] >= 0.0 else -1.0
     return model.origin + up * (0.5 * model.length + 0.01) * model.axis

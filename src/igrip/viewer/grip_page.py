@@ -1,4 +1,4 @@
-"""The grip zones on the objects themselves, as a page in the browser (paper: Figure 2)."""
+"""The grip zones on the objects' meshes, as a page in the browser (paper: Figure 2)."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 import trimesh
 
 from igrip.objects.model import ObjectModel
+from igrip.viewer.grip_zones import grip_zones
 from igrip.viewer.server import open_server, plain, quiet
-from igrip.viewer.zones import grip_zones
 
 PALMAR, PINCH = (90, 130, 216), (211, 90, 192)
 GAP = 0.08  # between two objects [m]
 
 
 class GripPage:
-    """A page with objects in a row, each painted by the grip that a hand beside it would take.
+    """A page with objects in a row, painted by the grip of a hand beside them.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class GripPage:
     pinch_from : float
         Border of the pinch zone, in half-lengths of the bounding cylinder.
     host, port : str, int
-        Where to listen; the next free port is taken where this one is not.
+        Address to listen on; if the port is not free, the next free one is used.
 
     Raises
     ------

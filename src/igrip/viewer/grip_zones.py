@@ -1,69 +1,58 @@
-"""Where a hand beside an object pinches and where it takes a palmar grip (paper: Figure 2)."""
+"""The mesh of an object cut at the borders of its grip zones."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from trimesh.intersections import slice_faces_plane
 
-from igrip.lab.report.matplotlib_figure import new_figure
+from igrip.grips.cylinder import is_pinch
 from igrip.objects.model import ObjectModel
-from igrip.viewer.zones import grip_zones
 
-PALMAR, PINCH = "#5a82d8", "#d35ac0"
+Array = NDArray[np.float64]
 
 
-def draw_grip_zones(models: Sequence[ObjectModel], pinch_from: float, path: Path) -> None:
-    """Draw each object from the side: its zones, its bounding cylinder and its z axis.
+class Zones(NamedTuple):
+    """A mesh in the object frame, with every face in one zone.
 
-    Parameters
+    Attributes
     ----------
-    models : sequence of ObjectModel
-        The objects, side by side and to one scale.
-    pinch_from : float
-        Border of the pinch zone, in half-lengths of the cylinder.
-    path : Path
-        Where to write; the ending chooses PNG or SVG.
-
-    Raises
-    ------
-    MissingExtraError
-        If matplotlib is not installed.
+    vertices, faces : (v, 3), (f, 3)
+        The mesh, in the object frame [m].
+    pinch : (f,) bool
+        Whether a hand beside the face pinches.
     """
-    figure = new_figure(2.6 * len(models), 4.6, "the picture of grip zones")
-    panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
-    for panel, model in zip(panels, models, strict=True):
-        _draw(panel, model, pinch_from)
-    panels[0].set_ylabel("z in the object's frame [mm]")
-    figure.suptitle("grip by height: palmar (blue), pinch (magenta and beyond)")
-    figure.savefig(path, dpi=150)
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    pinch: NDArray[np.bool_]
 
 
-def _draw(panel: Any, model: ObjectModel, pinch_from: float) -> None:
-    from matplotlib.collections import PolyCollection
-    from matplotlib.patches import Rectangle
-
-    zones = grip_zones(model, pinch_from)
-    corners = 1e3 * zones.vertices[zones.faces]  # millimetres
-    order = np.argsort(-corners[:, :, 1].mean(axis=1))  # the far side first
-    half, radius = 500.0 * model.length, 1e3 * model.radius
-    colours = np.where(zones.pinch, PINCH, PALMAR)[order]
-    panel.add_collection(
-        PolyCollection(list(corners[order][:, :, [0, 2]]), facecolors=colours, edgecolors="none")
-    )
-    panel.add_patch(
-        Rectangle((-radius, -half), 2 * radius, 2 * half, facecolor="#80808028", edgecolor="grey")
-    )
+def grip_zones(model: ObjectModel, pinch_from: float) -> Zones:
+    """Cut a model at ±``pinch_from`` half-lengths of its cylinder."""
+    frame, half = model.mesh_from_object, 0.5 * model.length
+    local = (model.vertices - frame[:3, 3]) @ frame[:3, :3]
     border = pinch_from * half
-    for height in (-border, border):
-        panel.axhline(height, color=PINCH, linewidth=0.8, linestyle="--")
-    panel.annotate(
-        "", (0.0, 1.35 * half), (0.0, 0.0),
-        arrowprops={"arrowstyle": "-|>", "color": "#d02020", "linewidth": 1.5},
-    )  # fmt: skip
-    panel.set_title(f"{model.name}\nborder ±{border:.1f} mm", fontsize=8)
-    panel.set_xlim(-110, 110)
-    panel.set_ylim(-180, 180)
-    panel.set_aspect("equal")
+    up = np.array([0.0, 0.0, 1.0])
+    parts = [
+        _above(*_above(local, model.faces, up, -border), -up, -border),  # between the borders
+        _above(local, model.faces, up, border),
+        _above(local, model.faces, -up, border),
+    ]
+    counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    vertices = np.concatenate([vertices for vertices, _ in parts])
+    faces = np.concatenate([faces + n for (_, faces), n in zip(parts, counts, strict=False)])
+    heights = vertices[faces][:, :, 2].mean(axis=1)
+    return Zones(vertices, faces, is_pinch(heights, np.full(len(faces), half), pinch_from))
+
+
+def _above(
+    vertices: Array, faces: NDArray[np.int64], normal: Array, height: float
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return the part of a mesh beyond a height along a normal."""
+    if not len(faces):
+        return vertices, faces
+    kept, cut, _ = slice_faces_plane(vertices, faces, normal, height * normal)
+    return np.asarray(kept, dtype=np.float64), np.asarray(cut, dtype=np.int64).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""What is seen and decided, drawn over the camera's picture (paper: Figure 4A)."""
+"""Hands, objects and intentions drawn over the camera's picture (paper: Figure 4A)."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.describe import describe
-from igrip.errors import MissingExtraError
+from igrip.errors import requires_extra
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.rgbd import RgbdFrame
+from igrip.viewer.drawing import HANDS, TARGET
 
 Array = NDArray[np.float64]
 BONES = (
@@ -21,11 +22,8 @@ BONES = (
     (0, 17),
 )  # fmt: skip
 PALM = (0, 5, 17)  # their mean is the palm centre (the paper's, SPEC)
-HANDS = {"left": (50, 90, 230), "right": (225, 45, 45)}
-OTHER, OUTLINE, TARGET, INK, PAPER = (
-    (120, 120, 120), (240, 200, 70), (60, 200, 90), (255, 255, 255), (30, 30, 30),
-)  # fmt: skip
-NEAREST = 0.05  # m ahead of the camera; what is nearer has no outline
+OTHER, OUTLINE, INK, PAPER = (120, 120, 120), (240, 200, 70), (255, 255, 255), (30, 30, 30)
+MIN_DEPTH = 0.05  # m; nearer objects have no outline
 
 
 def draw_overlay(
@@ -35,30 +33,33 @@ def draw_overlay(
     intentions: Sequence[Intention],
     width: int = 640,
 ) -> NDArray[np.uint8]:
-    """Draw landmarks, outlines of objects, targets and grips over a frame's colours.
+    """Return a frame's colour picture with landmarks, outlines, targets and grips drawn over it.
 
     Parameters
     ----------
     frame : RgbdFrame
-        Where they were seen.
+        The frame to draw over.
     landmarks : mapping of str to (21, 2)
         Of each hand [pixels].
     objects : sequence of PlacedObject
-        World frame.
+        In the world frame.
     intentions : sequence of Intention
         The newest of each hand.
     width : int
         Of the picture that is returned [pixels].
+
+    Returns
+    -------
+    (h, width, 3) uint8
+        Red, green, blue.
 
     Raises
     ------
     MissingExtraError
         If OpenCV is not installed.
     """
-    try:
+    with requires_extra("opencv-python-headless", "hands", "the overlay"):
         import cv2
-    except ImportError as error:
-        raise MissingExtraError("opencv-python-headless", "hands", "the overlay") from error
     scale = width / frame.intrinsics.width
     size = (width, max(1, round(scale * frame.intrinsics.height)))
     picture = cv2.resize(frame.colour, size, interpolation=cv2.INTER_AREA)
@@ -82,14 +83,14 @@ def draw_overlay(
 def outline_of(frame: RgbdFrame, placed: PlacedObject) -> Array | None:
     """Return the convex outline of an object in the picture, (n, 2) pixels.
 
-    None where it is not wholly ahead of the camera, or not in the picture at all.
+    None if it is not wholly in front of the camera, or outside the picture.
     """
     from scipy.spatial import ConvexHull, QhullError
 
     world = placed.model.vertices @ placed.rotation.T + placed.translation
     camera = np.linalg.inv(frame.world_from_camera)
     points = world @ camera[:3, :3].T + camera[:3, 3]
-    if points[:, 2].min() < NEAREST:
+    if points[:, 2].min() < MIN_DEPTH:
         return None
     pixels = frame.intrinsics.pixels(points)
     low, high = pixels.min(axis=0), pixels.max(axis=0)
@@ -98,7 +99,7 @@ def outline_of(frame: RgbdFrame, placed: PlacedObject) -> Array | None:
         return None
     try:
         return np.asarray(pixels[ConvexHull(pixels).vertices])
-    except QhullError:  # seen edge on, or one pixel in all
+    except QhullError:  # edge on, or a single pixel
         return None
 
 
@@ -113,14 +114,14 @@ def _draw_hand(
         cv2.circle(picture, corner, 3, INK, -1, cv2.LINE_AA)
     palm = np.round(points[list(PALM)].mean(axis=0)).astype(int)
     cv2.circle(picture, palm.tolist(), 6, colour, -1, cv2.LINE_AA)
-    told = id if intention is None else describe(intention)
-    _write(cv2, picture, told, palm + [10, -10], colour)
+    label = id if intention is None else describe(intention)
+    _write(cv2, picture, label, palm + [10, -10], colour)
 
 
 def _write(
     cv2: Any, picture: NDArray[np.uint8], text: str, at: Array, colour: tuple[int, int, int]
 ) -> None:
-    """Write a line within the picture; on dark, so that it can be read on anything."""
+    """Write a line inside the picture, on a dark background."""
     text = text.encode("ascii", "replace").decode()[:90]
     font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.45
     (wide, high), below = cv2.getTextSize(text, font, size, 1)

@@ -1,4 +1,4 @@
-"""One moment of the scene as arrays to draw; taken from the estimator, which does not wait."""
+"""The state of the estimator at one time, as arrays to draw."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ RAY_LENGTH = 0.25  # of a ray that meets nothing [m]
 
 @dataclass(frozen=True)
 class HandSnapshot:
-    """One hand at one moment.
+    """One hand at one time.
 
     Attributes
     ----------
     intention : Intention
-        What was decided last; its ``t`` says when.
+        Its newest intention.
     past : (n, 3)
-        Its filtered positions in the window, the newest last [m].
+        Its filtered positions in the window, newest last [m].
     motion : Motion or None
-        Its motion; None while it is not known.
+        Its motion; None while unknown.
     target : PlacedObject or None
-        The object decided for.
+        The predicted target.
     """
 
     intention: Intention
@@ -41,7 +41,7 @@ class HandSnapshot:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """All hands and objects at one moment.
+    """All hands and objects at one time.
 
     Attributes
     ----------
@@ -50,9 +50,9 @@ class Snapshot:
     objects : sequence of PlacedObject
         The usable objects.
     hands : sequence of HandSnapshot
-        All hands that are followed.
+        All tracked hands.
     scene : Scene
-        The geometry that their rays were cast in.
+        The geometry in which their rays were cast.
     """
 
     t: float
@@ -62,7 +62,7 @@ class Snapshot:
 
 
 def take_snapshot(estimator: Estimator) -> Snapshot:
-    """Note where everything is after an ``update``, and the newest intention of each hand."""
+    """Return the state after an ``update``, with the newest intention of each hand."""
     objects = estimator.objects
     by_id = {placed.id: placed for placed in objects}
     tracks = estimator.hands
@@ -82,8 +82,8 @@ def rays_of(scene: Scene, hand: HandSnapshot) -> tuple[Array, Array]:
     Returns
     -------
     hits, misses : (n, 2, 3), (m, 2, 3)
-        From each predicted point to the impact on the target, or over a fixed length where there is
-        none [m].
+        From each predicted point to the impact on the target, or over a fixed length where the ray
+        misses it [m].
     """
     if hand.motion is None or hand.target is None:
         return np.empty((0, 2, 3)), np.empty((0, 2, 3))

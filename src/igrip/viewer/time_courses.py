@@ -5,79 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.intention import Intention
+from igrip.lab.evaluation.time_courses import (
+    GRIP,
+    GRIPS,
+    SPEED,
+    TARGET,
+    TimeCourses,
+    time_courses,
+)
 from igrip.viewer.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 MAX_OBJECTS = 8  # lines in a panel
-GRIPS = ("palmar", "pinch")
 GRIP_COLOURS = ((90, 130, 216), (211, 90, 192))
-SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
 
 
-class Courses(NamedTuple):
-    """What one hand's panels show.
-
-    Attributes
-    ----------
-    times : (n,)
-        Times [s].
-    objects : tuple of str
-        Which objects have a line each.
-    panels : dict of str to (lines, n)
-        Values of each panel, NaN where there is none: one line for the speed, one for each object
-        for a score and for the target (its number from 1 while it is the target), one for each grip
-        (1 or 2 while it is the grip).
-    """
-
-    times: Array
-    objects: tuple[str, ...]
-    panels: dict[str, Array]
-
-
-def courses_of(moments: Sequence[Snapshot], hand: str) -> Courses:
+def courses_of(moments: Sequence[Snapshot], hand: str) -> TimeCourses:
     """Gather the time courses of one hand from the successive moments at which it was answered."""
     own = [
-        (moment.t, shown) for moment in moments for shown in moment.hands
+        shown for moment in moments for shown in moment.hands
         if shown.intention.hand == hand and shown.intention.t == moment.t
     ]  # fmt: skip
-    objects = _chosen([shown.intention for _, shown in own])
-    names = dict.fromkeys(
-        name for _, shown in own for name in next(iter(shown.intention.scores.values()), ())
-    )
-    n = len(own)
-    panels = {SPEED: np.full((1, n), np.nan)}
-    panels |= {name: np.full((len(objects), n), np.nan) for name in names}
-    panels |= {TARGET: np.full((len(objects), n), np.nan), GRIP: np.full((len(GRIPS), n), np.nan)}
-    for k, (_, shown) in enumerate(own):
-        intention = shown.intention
-        if shown.motion is not None:
-            panels[SPEED][0, k] = shown.motion.speed
-        for o, id in enumerate(objects):
-            for name, value in intention.scores.get(id, {}).items():
-                panels[name][o, k] = value
-            if intention.target == id:
-                panels[TARGET][o, k] = o + 1
-        if intention.grip in GRIPS:
-            g = GRIPS.index(intention.grip)
-            panels[GRIP][g, k] = g + 1
-    return Courses(np.array([t for t, _ in own]), objects, panels)
-
-
-def _chosen(intentions: Sequence[Intention]) -> tuple[str, ...]:
-    """Return the objects that get a line, by id: past targets first, then those likeliest now."""
-    known = {id: None for intention in intentions for id in intention.scores}
-    if len(known) <= MAX_OBJECTS:
-        return tuple(sorted(known))
-    targets = dict.fromkeys(i.target for i in reversed(intentions) if i.target)
-    newest = intentions[-1].scores
-    likely = sorted(known, key=lambda id: (-newest.get(id, {}).get("global", -np.inf), id))
-    return tuple(sorted(list(dict.fromkeys([*targets, *likely]))[:MAX_OBJECTS]))
+    speeds = [np.nan if shown.motion is None else shown.motion.speed for shown in own]
+    return time_courses([shown.intention for shown in own], speeds, MAX_OBJECTS)
 
 
 class CoursesPanels:
@@ -94,7 +49,7 @@ class CoursesPanels:
 
     def show(
         self,
-        courses: Courses,
+        courses: TimeCourses,
         colours: Mapping[str, tuple[int, int, int]],
         hidden: Sequence[str] = (),
     ) -> None:
@@ -115,7 +70,7 @@ class CoursesPanels:
             self._fastest = 0.5 * math.ceil(highest / 0.5)
             plot.scales = {"x": {"time": False}, "y": _range(SPEED, 1, self._fastest)}
 
-    def _begin(self, courses: Courses, colours: Mapping[str, tuple[int, int, int]]) -> None:
+    def _begin(self, courses: TimeCourses, colours: Mapping[str, tuple[int, int, int]]) -> None:
         """Make the panels anew, since there are other objects or scores."""
         for plot in self._plots.values():
             plot.remove()

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from igrip import Config
-from igrip.io.datasets.dataset import Dataset
-from igrip.io.importers import ImportOptions, find_importer, read_tables, write_dataset
-from igrip.lab.evaluation.replay import run_dataset
+from igrip.io.import_dataset import import_dataset
+from igrip.io.importers import ImportFiles, find_importer
+from igrip.io.resampling import ImportOptions
+from igrip.lab.evaluation.replay import replay_run, summarise_replay
+from igrip.lab.evaluation.runner import run_trials
 from igrip.objects.catalog import load_objects
 
 pd = pytest.importorskip("pandas", reason="the extra 'tables' is not installed")
@@ -29,34 +31,35 @@ def test_layout(tmp_path: Path) -> None:
     )  # fmt: skip
     trials.to_csv(tmp_path / "trials.csv", index=False)
     reaches.to_csv(tmp_path / "reaches.csv", index=False)
-    tables = read_tables([tmp_path])
-    importer = find_importer(tables)
-    first, second = (read() for read in importer.reaches(tables))
+    files = ImportFiles([tmp_path])
+    importer = find_importer(files)
+    first, second = (read() for read in importer.reaches(files))
     assert (first.participant, first.target, first.extra["distance"]) == ("sub-1", "left", "near")
     assert second.extra["distance"] == "far"
     np.testing.assert_array_equal(first.times, [0.0, 0.5])
     np.testing.assert_array_equal(first.positions[:, 0], [7.0, 7.5])
     np.testing.assert_array_equal(second.positions[:, 0], [9.0, 9.25])
-    np.testing.assert_array_equal(first.places["right"], [0.4, 0.5, 0.6])
+    np.testing.assert_array_equal(first.object_positions["right"], [0.4, 0.5, 0.6])
 
 
 def test_real_reaches_land_near_the_prototype(shared_data: Path, tmp_path: Path) -> None:
     """MEASURED: paper 72 % of trials and 72/70 % at 40/60 %; repaired 76-84 % of trials."""
-    tables = read_tables([shared_data / "wispinski2021"])
-    importer = find_importer(tables)
-    reaches = importer.reaches(tables)[::36]
+    files = ImportFiles([shared_data / "wispinski2021"])
+    importer = find_importer(files)
+    reaches = importer.reaches(files)[::36]
     options = ImportOptions(noise=0.004)
-    *_, dataset = write_dataset(
+    dataset = import_dataset(
         importer, reaches, tmp_path / "d", load_objects("ycb"), options, ["ycb"]
     )
-    assert isinstance(dataset, Dataset)
     assert len(dataset.trials) == 300
-    done = list(run_dataset(dataset, [Config(targets="paper"), Config(targets="repaired")], 2))
-    paper, repaired = ([trial[k][0] for trial in done] for k in range(2))
-    success = [np.mean([r.score.success for r in results]) for results in (paper, repaired)]
-    at_40, at_60 = np.mean([r.accurate for r in paper], axis=0)
+    configs = [Config(targets="paper"), Config(targets="repaired")]
+    catalog = load_objects(*dataset.objects)
+    runs = list(run_trials(dataset, catalog, configs, replay_run, dataset.trials, jobs=2))
+    rows = summarise_replay(dataset, runs)["results"]
+    paper, repaired = (row for row in rows if row["group"] == "all")
+    assert paper["trials"] == 300
     # 300 trials: a standard error of 2.6 points
-    assert 0.68 < success[0] < 0.88
-    assert 0.76 < success[1] < 0.94
-    assert 0.62 < at_40 < 0.80
-    assert 0.62 < at_60 < 0.80
+    assert 0.68 < paper["success"] < 0.88
+    assert 0.76 < repaired["success"] < 0.94
+    assert 0.62 < paper["accuracy_40%"] < 0.80
+    assert 0.62 < paper["accuracy_60%"] < 0.80

@@ -12,7 +12,6 @@ import pytest
 import igrip
 from igrip import Intention, Observation
 from igrip.errors import RecordingError
-from igrip.io.recordings import jsonl
 from igrip.io.recordings.jsonl import JsonlReader, JsonlWriter
 from support import hand, lines, message, pose, run, scene_of_shapes
 
@@ -185,15 +184,10 @@ def test_files_that_cannot_be_opened(tmp_path, kind):
 
 def test_an_iteration_that_is_given_up_closes_the_file(tmp_path, scene, monkeypatch):
     path = write(tmp_path / "scene.jsonl", scene)
-    opened = []
-
-    def remember(name):
-        opened.append(open_file(name))
-        return opened[-1]
-
-    open_file = jsonl._open
-    monkeypatch.setattr(jsonl, "_open", remember)
-    iterator = iter(JsonlReader(path))
+    reader, opened = JsonlReader(path), []
+    open_file = reader.open
+    monkeypatch.setattr(reader, "open", lambda: opened.append(open_file()) or opened[-1])
+    iterator = iter(reader)
     next(iterator)
     assert [file.closed for file in opened] == [False]
     del iterator

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import butter, filtfilt
 
 from igrip.lab.evaluation.movement import movement_bounds, smooth_speeds
 
@@ -24,10 +25,27 @@ def bounds(speeds):
         ([1, 2], None),
         ([0, 5, np.nan, 3, 0], None),
         ([0, 3, 9, 9, 3, 0], (1, 5)),  # two equal peaks: the first
+        ([5, 10, 0], (0, 2)),
+        ([0, 2, 10, 3, 2, 2], (1, 4)),  # 3 is not below 2 + 0.8
+        ([0, 3, 0, 4, 10, 4, 0], (1, 6)),  # the first rise
     ],
 )
 def test_by_hand(speeds, expected):
     assert bounds(speeds) == expected
+
+
+@pytest.mark.parametrize(
+    ("speeds", "expected"),
+    [
+        ([0, 3, 0, 4, 10, 4, 0], (3, 6)),  # the last rise
+        ([0, 3, 1, 4, 10, 4, 0], (3, 6)),  # 1 is not more than 10 % of 10
+        ([3, 4, 10, 4, 0], (0, 4)),
+        ([0, 3, 0, 10, 4, 0], None),
+    ],
+)
+def test_of_a_measured_trace(speeds, expected):
+    times = np.arange(len(speeds), dtype=float)
+    assert movement_bounds(times, np.array(speeds, dtype=float), noisy=True) == expected
 
 
 @given(st.floats(0.5, 3.0), st.floats(0.1, 0.9))
@@ -61,7 +79,8 @@ def test_gaps_are_bridged_and_short_traces_refused():
     times, speeds = smooth_speeds(t, line)
     assert np.diff(times) == pytest.approx(0.1)
     assert speeds[3:-3] == pytest.approx(1.0, abs=0.02)
-    assert not len(smooth_speeds(t[:2], line[:2])[0])
+    for short in (t[:2], t[5:20]):
+        assert [part.shape for part in smooth_speeds(short, line[: len(short)])] == [(0,), (0,)]
     assert movement_bounds(*smooth_speeds(t[:5], line[:5])) is None
 
 
@@ -82,5 +101,33 @@ def test_noise_at_rest_is_no_onset():
 
 
 def test_a_jump_of_the_clock_is_no_movement():
-    t = np.array([*np.arange(0.0, 3.0, 1 / 30), 5e8])
-    assert not len(smooth_speeds(t, np.zeros((len(t), 3)))[0])
+    jumped = np.array([*np.arange(0.0, 3.0, 1 / 30), 5e8])
+    for t in (jumped, np.zeros(90)):  # or a clock that stands still
+        assert [part.shape for part in smooth_speeds(t, np.zeros((len(t), 3)))] == [(0,), (0,)]
+
+
+def oracle(t, trace, rate):
+    """Return the speeds of an even trace, with the filter in another form."""
+    padded = np.pad(trace, ((2, 2), (0, 0)), mode="reflect")
+    steady = np.median([padded[k : k + len(trace)] for k in range(5)], axis=0)
+    b, a = butter(2, min(6.0, 0.45 * rate), fs=rate)
+    smooth = filtfilt(b, a, steady, axis=0, padlen=15)
+    return np.linalg.norm(np.gradient(smooth, 1.0 / rate, axis=0), axis=1)
+
+
+@pytest.mark.parametrize(("n", "rate"), [(90, 30.0), (16, 30.0), (40, 8.0)])
+def test_of_an_even_trace(n, rate):
+    t = 5.0 + np.arange(n) / rate
+    trace = np.cumsum(np.random.default_rng(0).normal(0.0, 0.01, (n, 3)), axis=0)
+    times, speeds = smooth_speeds(t, trace)
+    assert times == pytest.approx(t)
+    assert speeds == pytest.approx(oracle(t, trace, rate), rel=1e-6)
+
+
+def test_most_of_a_trace_may_be_a_gap_but_not_nearly_all():
+    """40 samples at 10 Hz last 3.9 s; with gaps they may last up to 80 s."""
+    t = np.arange(40) / 10
+    for begin in (0.0, 1000.0):
+        for last, smooth in ((79.9, True), (80.1, False)):
+            times = begin + np.array([*t[:-1], last])
+            assert bool(len(smooth_speeds(times, np.zeros((40, 3)))[0])) == smooth

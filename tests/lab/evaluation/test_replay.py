@@ -1,60 +1,101 @@
-"""A small dataset through estimators, in one process and in two."""
+"""A dataset replayed and summed up: the same numbers as those of an evaluation."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from igrip import Config, load_objects
-from igrip.io.datasets.dataset import Dataset
-from igrip.lab.evaluation.replay import run_dataset, run_trial
+from igrip.lab.evaluation.averages import average_scores
+from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
+from igrip.lab.evaluation.runner import run_trial
+from igrip.lab.evaluation.trial_metrics import FRACTIONS
+from igrip.lab.evaluation.trial_rows import score_run
+
+CONFIGS = (Config(targets="distance"), Config(targets="paper"))
 
 
-def test_a_straight_reach_is_right(small_dataset: Dataset) -> None:
-    trial = small_dataset.trials[0]
-    catalog = load_objects(*small_dataset.objects)
-    result, intentions = run_trial(small_dataset, trial, catalog, Config(targets="distance"))
-    assert result.problem is None
-    assert result.score is not None
-    assert result.score.success
-    assert result.frames == len(intentions)
-    assert intentions[-1].target == trial.target
-    assert result.recorded == pytest.approx(2.0, abs=0.05)
+@pytest.fixture
+def run(small_dataset):
+    def run(number=0, **changes):
+        trial = replace(small_dataset.trials[number], **changes)
+        catalog = load_objects(*small_dataset.objects)
+        return run_trial(small_dataset, trial, catalog, CONFIGS)
+
+    return run
 
 
-def test_processes_change_nothing(small_dataset: Dataset) -> None:
-    configs = [Config(targets="paper"), Config(targets="distance")]
-    alone = list(run_dataset(small_dataset, configs, jobs=1, keep_intentions=True))
-    together = list(run_dataset(small_dataset, configs, jobs=2, keep_intentions=True))
-    assert alone == together
-    assert [result.targets for result, _ in alone[0]] == ["paper", "distance"]
+def test_rows_are_those_of_an_evaluation(run):
+    done = run()
+    replayed = replay_run(done)
+    assert replayed.rows == score_run(done, commitments=False)
+    evaluated = score_run(done)
+    for row, more in zip(replayed.rows, evaluated, strict=True):
+        assert row.items() <= more.items()
+    assert (replayed.intentions, replayed.cut) == ([[], []], None)
+    done.cut = "cut off"
+    kept = replay_run(done, keep_intentions=True)
+    assert kept.cut == "cut off"
+    assert kept.intentions == [e.intentions for e in done.estimators]
 
 
-def test_what_is_wrong_with_a_trial_is_said(small_dataset: Dataset) -> None:
-    catalog = load_objects(*small_dataset.objects)
-
-    def problem(**changes: object) -> str | None:
-        trial = replace(small_dataset.trials[0], **changes)
-        return run_trial(small_dataset, trial, catalog, Config())[0].problem
-
-    assert "no recording 'gone'" in (problem(recording="gone") or "")
-    assert "'third' was never seen" in (problem(hand="third") or "")
-    assert "onset and end" in (problem(end_s=None) or "")
-    assert problem(target="none") is None
+def test_a_trial_without_a_task_is_no_problem(run):
+    for changes in ({"target": None}, {"performed": "no"}, {"target": "none"}):
+        assert [row["problem"] for row in replay_run(run(**changes)).rows] == [None, None]
+    for changes in ({"hand": None}, {"target": None, "recording": "gone"}):
+        assert None not in [row["problem"] for row in replay_run(run(**changes)).rows]
 
 
-def test_a_malformed_recording_is_reported_and_the_rest_goes_on(small_dataset: Dataset) -> None:
-    path = small_dataset.recording(small_dataset.trials[0])
-    path.write_text('{"t": 0}\n{"t": -1}\n')
-    first, second = (
-        done[0][0] for done in run_dataset(small_dataset, [Config(targets="distance")])
-    )
-    assert first.problem == f"{path}, line 2: t: must not be negative, got -1"
-    assert second.problem is None
-    assert second.score is not None
+def test_summary(run, small_dataset):
+    trials = [replay_run(run(0)), replay_run(run(1)), replay_run(run(1, recording="reach0"))]
+    derived = replace(small_dataset, description={"name": "Small", "derived": {"a": 1}})
+    summary = summarise_replay(derived, trials)
+    assert (summary["dataset"], summary["derived"]) == ("Small", {"a": 1})
+    assert (summary["trials"], summary["participants"]) == (2, 1)
+    assert (summary["problems"], summary["remarks"], summary["cut"]) == ([], [], [])
+    names = [(row["targets"], row["group"], row["trials"]) for row in summary["results"]]
+    assert names == [
+        (targets, group, trials) for targets in ("distance", "paper")
+        for group, trials in (("all", 3), ("far", 2), ("near", 1))
+    ]  # fmt: skip
+    rows = [trial.rows[1] for trial in trials]
+    expected = average_scores({key: [row[key] for row in rows] for key in rows[0]})
+    paper = summary["results"][3]
+    assert paper == {
+        "targets": "paper", "group": "all", "trials": 3, "success": expected["success"],
+        "accuracy_40%": expected["accuracy"]["40%"], "accuracy_60%": expected["accuracy"]["60%"],
+        **{key: expected[key] for key in ("delay_s", "delay_clipped_s", "margin_s")},
+    }  # fmt: skip
+    assert paper["success"] is not None
 
 
-def test_folders_of_meshes_travel_with_a_dataset(tmp_path: Path) -> None:
-    (tmp_path / "meshes").mkdir()
-    dataset = Dataset(tmp_path, {"objects": ["meshes", "ycb"]}, ())
-    assert dataset.objects == (str(tmp_path / "meshes"), "ycb")
+def row(recording, targets="paper", **more):
+    scores = {"success": True, "delay_s": 0.1, "delay_clipped_s": 0.1, "margin_s": 0.5}
+    scores |= {f"right_at_{f:.0%}": True for f in FRACTIONS}
+    base = {"recording": recording, "participant": "p", "trial": "1", "targets": targets,
+            "problem": None, "remark": None, "group": None}  # fmt: skip
+    return base | scores | more
+
+
+def test_problems_remarks_and_cuts(small_dataset):
+    broken = {"recording": "c", "participant": None, "targets": "paper", "problem": "is gone"}
+    trials = [
+        ReplayedTrial([row("a", remark="odd")], [[]], "cut in line 3"),
+        ReplayedTrial([row("b", success=False, participant="q")], [[]], "cut in line 2"),
+        ReplayedTrial([broken], [[]], None),
+    ]
+    summary = summarise_replay(small_dataset, trials)
+    assert (summary["trials"], summary["participants"]) == (3, 2)
+    assert summary["remarks"] == [{"recording": "a", "remark": "odd"}]
+    assert summary["problems"] == [
+        {"recording": "c", "trial": None, "targets": "paper", "problem": "is gone"}
+    ]
+    assert summary["cut"] == ["cut in line 2", "cut in line 3"]
+    [result] = summary["results"]
+    assert (result["trials"], result["success"]) == (2, 0.5)
+
+
+def test_nothing_to_score(small_dataset):
+    none = {"recording": "a", "participant": "p", "targets": "paper", "problem": None}
+    summary = summarise_replay(small_dataset, [ReplayedTrial([none], [[]], None)])
+    assert summary["results"] == [{"targets": "paper", "group": "all", "trials": 0}]
+    assert summarise_replay(small_dataset, [])["results"] == []

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from igrip.lab.rendering.layout import LayoutConfig, look_at, looking_camera, strew
+from igrip.lab.rendering.layout import LayoutConfig, look_at, random_camera, scatter
 from igrip.objects.catalog import PAPER_OBJECTS
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_objects_rest_on_the_table_and_keep_apart(ycb, seed):
-    placed = strew(
+    placed = scatter(
         [ycb[name] for name in PAPER_OBJECTS],
         LayoutConfig(lying=0.5),
         np.random.default_rng(seed),
@@ -26,7 +26,7 @@ def test_objects_rest_on_the_table_and_keep_apart(ycb, seed):
 def test_too_many_do_not_fit(ycb):
     config = LayoutConfig(width=0.1, depth=0.1)
     with pytest.raises(ValueError, match="no room"):
-        strew([ycb[name] for name in PAPER_OBJECTS], config, np.random.default_rng(0))
+        scatter([ycb[name] for name in PAPER_OBJECTS], config, np.random.default_rng(0))
 
 
 def test_a_camera_sees_its_target_in_the_middle_and_stands_level():
@@ -42,7 +42,7 @@ def test_a_camera_sees_its_target_in_the_middle_and_stands_level():
 def test_cameras_stand_within_the_ranges():
     config = LayoutConfig()
     for seed in range(20):
-        pose = looking_camera(config, np.random.default_rng(seed))
+        pose = random_camera(config, np.random.default_rng(seed))
         distance = np.linalg.norm(pose[:3, 3] - [0, 0, 0.07])
         assert config.distance[0] <= distance <= config.distance[1]
         down = np.degrees(np.arcsin(-pose[2, 2]))

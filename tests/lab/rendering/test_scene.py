@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from igrip.lab.rendering.scene import Overlay, RenderConfig, colour_of, strewn_scene
+from igrip.lab.rendering.scene import RenderConfig, colour_of, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS
+from overlaid_scene import Overlay, overlaid
 
 
 @pytest.fixture(scope="module")
 def scene(ycb):
-    return strewn_scene(ycb, PAPER_OBJECTS, np.random.default_rng(1))
+    return random_scene(ycb, PAPER_OBJECTS, np.random.default_rng(1))
 
 
 def test_one_seed_one_frame(scene):
@@ -47,7 +48,7 @@ def test_an_overlay_hides_what_is_farther_only(scene):
     red[..., 0] = 250
     near = Overlay(red, mask, np.full((50, 40), 0.3), -5, 380)  # sticks out of the picture
     far = Overlay(red, mask, np.full((50, 40), 5.0), 300, 200)
-    frame = still.frame(0.0, np.random.default_rng(0), [near, far])
+    frame = overlaid(still, [near, far]).frame(0.0, np.random.default_rng(0))
     covered = np.zeros(before.shape, dtype=bool)
     covered[390:, :35] = True
     np.testing.assert_allclose(frame.depth[covered], 0.3, rtol=1e-6)

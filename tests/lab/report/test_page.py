@@ -9,32 +9,46 @@ import pytest
 
 from igrip import Config, load_objects
 from igrip.io.datasets.dataset import Dataset
-from igrip.lab.evaluation.experiment import Experiment
+from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.summary import frame_of, summarise
+from igrip.lab.report import page
 from igrip.lab.report.claims import deviations, findings
 from igrip.lab.report.page import clean, percent, typical, write_report
-from igrip.lab.simulation.cohort import simulate
-from igrip.lab.simulation.parameters import cohort
+from igrip.lab.simulation.cohort import simulate_cohort
+from igrip.lab.simulation.parameters import cohort_parameters
 
 TARGETS = ("paper", "impacts", "distance_derivative", "distance", "future_distance")
 
 
+CONFIGS = [Config(targets=name) for name in TARGETS]
+
+
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
+def evaluated(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     catalog = load_objects("ycb")
-    list(simulate(folder / "cohort", catalog, cohort(), 2, 0, trials=6, no_reach_minutes=1))
+    list(
+        simulate_cohort(
+            folder / "cohort", catalog, cohort_parameters(), 2, 0, trials=3, no_reach_minutes=1
+        )
+    )
     dataset = Dataset.open(folder / "cohort")
-    evaluation = Experiment(dataset, [Config(targets=t) for t in TARGETS], folder / "out")
-    list(evaluation.run(dataset.trials, 2))
-    frame = frame_of(evaluation.rows)
+    evaluation = Evaluation(dataset, CONFIGS, folder / "out")
+    list(evaluation.run(dataset.trials, 1))
+    return dataset, catalog, frame_of(evaluation.rows)
+
+
+@pytest.fixture(scope="module")
+def report(evaluated, tmp_path_factory):
+    dataset, catalog, frame = evaluated
+    out = tmp_path_factory.mktemp("report") / "out"
     summary = summarise(frame, "<b>bold & \u00fcber</b>", TARGETS)
     summary["without_trials"] = ["p99"]
     summary["excluded"] = [
         {"recording": "<script>alert(1)</script>", "participant": None, "problem": "gone"}
     ]
-    write_report(folder / "out", dataset, catalog, frame, summary)
-    return folder / "out", summary, frame
+    write_report(out, dataset, catalog, CONFIGS, frame, summary)
+    return out, summary, frame
 
 
 def test_files(report):
@@ -43,7 +57,7 @@ def test_files(report):
     assert told["targets"]["paper"]["all"] == clean(summary["targets"]["paper"]["all"])
     assert told["schema"] == "igrip-summary/1"
     table = pd.read_parquet(out / "trials.parquet")
-    assert len(table) == len(frame) == 5 * 25
+    assert len(table) == len(frame) == 5 * 13
     for name in ("participants", "accuracy", "courses"):
         assert (out / "figures" / f"{name}.png").stat().st_size > 20_000
         assert (out / "figures" / f"{name}.svg").read_text().startswith("<?xml")
@@ -67,6 +81,31 @@ def test_names_from_outside_are_escaped(report):
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert "&lt;b&gt;bold &amp; \u00fcber&lt;/b&gt;" in page
+
+
+@pytest.mark.parametrize("grips", ["contact", "cylinder"])
+def test_the_time_courses_are_of_the_same_configuration(evaluated, tmp_path, monkeypatch, grips):
+    dataset, catalog, frame = evaluated
+    configs = [Config(targets=name, grips=grips) for name in ("distance", "paper")]
+    runs = []
+    run_trial = page.run_trial
+    monkeypatch.setattr(page, "run_trial", lambda *args: runs.append(args) or run_trial(*args))
+    summary = summarise(frame, "x", ["distance", "paper"])
+    chosen = dataset.trials[1]
+    write_report(tmp_path, dataset, catalog, configs, frame, summary, chosen.recording)
+    assert runs == [(dataset, chosen, catalog, [configs[1]])]
+
+
+@pytest.mark.parametrize("kept", ["nothing", "one", "none"])
+def test_reports_of_small_and_empty_datasets(evaluated, tmp_path, kept):
+    dataset, catalog, frame = evaluated
+    first = frame["recording"] == typical(frame[frame["targets"] == "paper"])
+    part = {"nothing": frame[:0], "one": frame[first], "none": frame[frame["target"] == "none"]}
+    summary = summarise(part[kept], "x", TARGETS)
+    write_report(tmp_path, dataset, catalog, CONFIGS, part[kept], summary)
+    assert "<h2>" in (tmp_path / "report.html").read_text()
+    assert summary["recordings"] == {"none": 1, "nothing": 0, "one": 1}[kept]
+    assert (tmp_path / "figures" / "courses.png").exists() == (kept == "one")
 
 
 def test_a_typical_trial_is_a_successful_one_near_the_medians():

@@ -8,39 +8,44 @@ import pytest
 from igrip.errors import DatasetError
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings.jsonl import JsonlReader
-from igrip.lab.evaluation.trial_metrics import Seen, describe_trial
-from igrip.lab.simulation.cohort import models_by_id, rest_points, simulate, tasks_of
+from igrip.lab.evaluation.recorded_trial import RecordedTrial
+from igrip.lab.evaluation.trial_description import describe_trial
+from igrip.lab.simulation.cohort import rest_points, simulate_cohort, tasks_of
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
-from igrip.lab.simulation.parameters import Protocol, checksum, cohort
-from igrip.lab.simulation.table import set_table
+from igrip.lab.simulation.parameters import ProtocolParameters, checksum, cohort_parameters
+from igrip.lab.simulation.table import models_by_id, set_table
 
 FROZEN = {"healthy": "ed681f0a9273a61e", "stroke": "3bd7bb53368cd2db", "sci": "7ad3dcb15aa0f7e6"}
 
 
 @pytest.mark.parametrize("profile", FROZEN)
 def test_the_parameters_stand_as_they_were_before_any_estimator_was_run(profile):
-    assert checksum(cohort(profile)) == FROZEN[profile]
+    assert checksum(cohort_parameters(profile)) == FROZEN[profile]
 
 
 def test_every_parameter_has_a_source_and_a_unit():
     for part in ("protocol", "person", "camera"):
-        for name, field in type(getattr(cohort(), part)).model_fields.items():
+        for name, field in type(getattr(cohort_parameters(), part)).model_fields.items():
             assert field.json_schema_extra["source"], name
             assert field.json_schema_extra["unit"], name
 
 
 def test_the_protocol_of_a_participant():
-    tasks = tasks_of(Protocol(), np.random.default_rng(0))
+    tasks = tasks_of(ProtocolParameters(), np.random.default_rng(0))
     assert len(tasks) == 128
     assert set(Counter(tasks).values()) == {4}
     assert len(Counter(tasks)) == 32
-    assert tasks != tasks_of(Protocol(), np.random.default_rng(1))
+    assert tasks != tasks_of(ProtocolParameters(), np.random.default_rng(1))
 
 
 @pytest.fixture(scope="module")
 def small(ycb, tmp_path_factory):
     path = tmp_path_factory.mktemp("cohort") / "small"
-    steps = list(simulate(path, ycb, cohort(), participants=3, trials=12, no_reach_minutes=4))
+    steps = list(
+        simulate_cohort(
+            path, ycb, cohort_parameters(), participants=3, trials=12, no_reach_minutes=4
+        )
+    )
     assert steps[-1] == (3 * 12 * 2 + 4, 3 * 12 * 2 + 4)
     return Dataset.open(path)
 
@@ -56,14 +61,27 @@ def test_rows_of_the_table(small):
 
 
 def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path):
-    list(simulate(tmp_path / "again", ycb, cohort(), participants=3, trials=12, no_reach_minutes=4))
+    list(
+        simulate_cohort(
+            tmp_path / "again",
+            ycb,
+            cohort_parameters(),
+            participants=3,
+            trials=12,
+            no_reach_minutes=4,
+        )
+    )
     for trial in small.trials:
         again = Dataset.open(tmp_path / "again").recording(trial)
         assert again.read_bytes() == small.recording(trial).read_bytes()
 
 
 def test_another_participant_count_keeps_the_people(small, ycb, tmp_path):
-    list(simulate(tmp_path / "one", ycb, cohort(), participants=1, trials=2, no_reach_minutes=0))
+    list(
+        simulate_cohort(
+            tmp_path / "one", ycb, cohort_parameters(), participants=1, trials=2, no_reach_minutes=0
+        )
+    )
     one = Dataset.open(tmp_path / "one")
     for trial in one.trials:
         assert one.recording(trial).read_bytes() == small.recording(trial).read_bytes()
@@ -75,10 +93,10 @@ def test_it_looks_like_the_paper_s_recordings(small):
     for trial in small.trials:
         if trial.target == "none":
             continue
-        seen = Seen(trial.hand, trial.target)
+        recorded = RecordedTrial(trial)
         for observation in JsonlReader(small.recording(trial)):
-            seen.take(observation)
-        rows.append(describe_trial(trial, seen, seen.bounds(trial), []))
+            recorded.add(observation)
+        rows.append(describe_trial(recorded, recorded.bounds(), []))
     assert np.mean([row["observed"] for row in rows]) == pytest.approx(0.90, abs=0.03)
     assert 0.40 < np.mean([row["valid"] for row in rows]) < 0.75
     assert np.mean([row["movement_s"] for row in rows]) == pytest.approx(1.19, abs=0.15)
@@ -87,8 +105,10 @@ def test_it_looks_like_the_paper_s_recordings(small):
 @pytest.mark.parametrize("kind", KINDS)
 def test_scenes_without_a_reach(ycb, kind):
     random = np.random.default_rng(1)
-    table = set_table(models_by_id(ycb), Protocol(), random)
-    scene = draw_no_reach(kind, table, cohort(), rest_points(Protocol()), 30.0, random)
+    table = set_table(models_by_id(ycb), ProtocolParameters(), random)
+    scene = draw_no_reach(
+        kind, table, cohort_parameters(), rest_points(ProtocolParameters()), 30.0, random
+    )
     palm = scene.palms[scene.hand]
     speed = np.linalg.norm(np.diff(palm, axis=0), axis=1) * 30
     assert speed.max() < 3.0
@@ -108,16 +128,18 @@ def test_scenes_without_a_reach(ycb, kind):
 def test_objects_stand_apart_on_the_table(ycb):
     models = models_by_id(ycb)
     for seed in range(30):
-        table = set_table(models, Protocol(), np.random.default_rng(seed))
+        table = set_table(models, ProtocolParameters(), np.random.default_rng(seed))
         spots = np.array([table.middle(id)[:2] for id in models])
         gaps = np.linalg.norm(spots[:, None] - spots[None], axis=2)[np.triu_indices(4, 1)]
         assert gaps.min() >= 0.17 - 1e-9
         for id, model in models.items():
             height = (model.vertices @ table.rotation(id).T + table.places[id])[:, 2]
             assert height.min() == pytest.approx(0.0, abs=1e-9)
-            assert table.grasp_point(id, "pinch", np.zeros(3), Protocol())[2] > height.max()
+            assert (
+                table.grasp_point(id, "pinch", np.zeros(3), ProtocolParameters())[2] > height.max()
+            )
 
 
 def test_nobody(ycb, tmp_path):
     with pytest.raises(DatasetError, match="participant"):
-        list(simulate(tmp_path / "none", ycb, cohort(), participants=0))
+        list(simulate_cohort(tmp_path / "none", ycb, cohort_parameters(), participants=0))

@@ -70,9 +70,9 @@ def test_rates_ages_and_order(person: DemoPerson) -> None:
 
 def test_reaches_end_at_their_objects(person: DemoPerson) -> None:
     for task in islice(person.tasks(), 16):
-        model, place = person.models[task.target], person.places[task.target]
+        model, place = person.table.models[task.target], person.table.places[task.target]
         point = person.hands(task, task.end)[task.hand]
-        turn = Rotation.from_euler("z", person.yaws[task.target])
+        turn = Rotation.from_euler("z", person.table.yaws[task.target])
         nearest = np.linalg.norm(turn.apply(model.vertices) + place - point, axis=1).min()
         assert 0.05 < nearest < 0.11
         above = point[2] - place[2] - model.origin[2]
@@ -81,10 +81,10 @@ def test_reaches_end_at_their_objects(person: DemoPerson) -> None:
 
 def test_the_estimator_gets_most_of_a_round_right(person: DemoPerson) -> None:
     estimator, tally = Estimator(load_objects("ycb")), DemoScore()
-    lines = [tally.take(m, estimator.update(m.observation)) for m in one_round(person)]
+    lines = [tally.update(m, estimator.update(m.observation)) for m in one_round(person)]
     summary = tally.summary()
     assert summary["reaches"] == 16
     assert summary["targets_right"] >= 12
     assert summary["grips_right"] >= 14
     assert len([line for line in lines if line]) == 16
-    assert "16 reaches" in tally.words()
+    assert "16 reaches" in tally.sentence()

@@ -8,8 +8,9 @@ from itertools import pairwise
 import pytest
 
 from igrip.errors import IgripError
-from igrip.lab.simulation.faults import KINDS, Fault, every_kind, inject
+from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.observation import Observation
+from support import every_kind
 
 POSE = {"model": "cup", "orientation": [0.0, 0.0, 0.0, 1.0]}
 

@@ -13,14 +13,14 @@ from igrip.lab.simulation.movement import (
     sway,
     tremor,
 )
-from igrip.lab.simulation.parameters import Person, cohort
+from igrip.lab.simulation.parameters import PersonParameters, cohort_parameters
 
 START, GOAL = np.array([0.2, 0.0, 0.04]), np.array([-0.1, 0.4, 0.1])
 
 
 def drawn(seed, person=None, other=None):
     random = np.random.default_rng(seed)
-    person = person or Person()
+    person = person or PersonParameters()
     return draw_reach(person, draw_habits(person, random), START, GOAL, 1.0, other, random)
 
 
@@ -37,7 +37,7 @@ def test_one_submovement_by_hand():
 
 @given(st.integers(0, 10_000), st.sampled_from(["healthy", "stroke", "sci"]))
 def test_every_reach_begins_at_rest_and_ends_near_its_goal(seed, profile):
-    person = cohort(profile).person
+    person = cohort_parameters(profile).person
     reach = drawn(seed, person, other=np.array([0.3, 0.3, 0.1]))
     assert reach.position(np.array([0.0, 1.0])) == pytest.approx(np.tile(START, (2, 1)))
     end = reach.position(np.array([reach.end, reach.end + 5.0]))
@@ -49,7 +49,7 @@ def test_every_reach_begins_at_rest_and_ends_near_its_goal(seed, profile):
 
 
 def test_a_change_of_mind_begins_towards_the_other():
-    person = Person(change_of_mind=1.0, submovements=0.0, hesitation=0.0, change_at=0.7)
+    person = PersonParameters(change_of_mind=1.0, submovements=0.0, hesitation=0.0, change_at=0.7)
     other = np.array([0.6, 0.4, 0.1])
     towards = 0
     for seed in range(20):
@@ -59,15 +59,15 @@ def test_a_change_of_mind_begins_towards_the_other():
 
 
 def test_a_hesitation_takes_time():
-    calm, torn = Person(hesitation=0.0), Person(hesitation=1.0)
+    calm, torn = PersonParameters(hesitation=0.0), PersonParameters(hesitation=1.0)
     assert all(drawn(k, torn).end > drawn(k, calm).end + 0.1 for k in range(20))
 
 
 def test_tremor_and_sway_have_their_size():
     t = np.arange(0.0, 60.0, 1 / 200)
     rng = np.random.default_rng(0)
-    shaken = np.concatenate([tremor(Person(), t, rng) for _ in range(20)])
+    shaken = np.concatenate([tremor(PersonParameters(), t, rng) for _ in range(20)])
     assert np.sqrt((shaken**2).mean()) == pytest.approx(0.0004 / np.sqrt(2), rel=0.3)
-    drift = np.concatenate([sway(Person(), t, rng) for _ in range(20)])
+    drift = np.concatenate([sway(PersonParameters(), t, rng) for _ in range(20)])
     assert 0.0003 < drift.std() < 0.003
     assert np.abs(np.diff(drift[: len(t)], axis=0)).max() < 1e-4  # slow

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from igrip.lab.simulation.cohort import models_by_id, perform, tasks_of
+from igrip.lab.simulation.cohort import perform, tasks_of
 from igrip.lab.simulation.movement import draw_habits
-from igrip.lab.simulation.parameters import cohort
+from igrip.lab.simulation.parameters import cohort_parameters
+from igrip.lab.simulation.table import models_by_id
 
 
 def kinematics(ycb, profile, people=40, trials=12):
     """Return movement time, peak speed over length and path ratio of some reaches, (n, 3)."""
-    parameters, models, rows = cohort(profile), models_by_id(ycb), []
+    parameters, models, rows = cohort_parameters(profile), models_by_id(ycb), []
     for p in range(people):
         random = np.random.default_rng([9, p])
         habits = draw_habits(parameters.person, random)

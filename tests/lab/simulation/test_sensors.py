@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from igrip.lab.simulation.cohort import models_by_id
-from igrip.lab.simulation.parameters import Camera, Protocol
-from igrip.lab.simulation.sensors import film, lose, measure_points, place_camera
-from igrip.lab.simulation.table import set_table
+from igrip.lab.simulation.parameters import CameraParameters, ProtocolParameters
+from igrip.lab.simulation.sensors import lose, measure_points, observe_scene, place_camera
+from igrip.lab.simulation.table import models_by_id, set_table
 
 AT = np.array([0.0, -0.1, 0.5])
 PERFECT = dict.fromkeys(
@@ -26,13 +25,13 @@ def still(n=600):
 
 def filmed(ycb, camera, n=600, seed=0, palms=None):
     random = np.random.default_rng(seed)
-    table = set_table(models_by_id(ycb), Protocol(), random)
+    table = set_table(models_by_id(ycb), ProtocolParameters(), random)
     palms = palms or still(n)
-    return table, film(np.arange(n) / 30, palms, table, AT, camera, random)
+    return table, observe_scene(np.arange(n) / 30, palms, table, AT, camera, random)
 
 
 def test_a_perfect_camera_reports_the_truth(ycb):
-    table, messages = filmed(ycb, Camera(**PERFECT))
+    table, messages = filmed(ycb, CameraParameters(**PERFECT))
     assert all(m.hands["left"].position == (-0.2, 0.0, 0.04) for m in messages)
     poses = [m.objects for m in messages if m.objects]
     assert len(poses) / (600 / 30) == pytest.approx(12.5, abs=0.3)
@@ -45,7 +44,7 @@ def test_a_perfect_camera_reports_the_truth(ycb):
 
 
 def test_depth_noise_is_that_of_a_stereo_camera():
-    camera = Camera(**{**PERFECT, "disparity_noise": 0.5})
+    camera = CameraParameters(**{**PERFECT, "disparity_noise": 0.5})
     points = np.tile([0.0, 0.5, 0.0], (20_000, 1))
     noise = measure_points(points, AT, camera, np.random.default_rng(0)) - points
     z = np.linalg.norm(points[0] - AT)
@@ -56,7 +55,7 @@ def test_depth_noise_is_that_of_a_stereo_camera():
 
 
 def test_lateral_noise_is_correlated_from_frame_to_frame():
-    camera = Camera(**{**PERFECT, "lateral_noise": 0.002, "correlation": 0.6})
+    camera = CameraParameters(**{**PERFECT, "lateral_noise": 0.002, "correlation": 0.6})
     points = np.tile([0.0, 0.5, 0.0], (20_000, 1))
     noise = (measure_points(points, AT, camera, np.random.default_rng(0)) - points)[:, 0]
     assert noise.std() == pytest.approx(0.002, rel=0.05)
@@ -72,7 +71,7 @@ def test_bursts_of_lost_frames():
 
 
 def test_labels_are_swapped_and_doubled(ycb):
-    _, messages = filmed(ycb, Camera(**{**PERFECT, "swapped": 0.1, "duplicated": 0.1}))
+    _, messages = filmed(ycb, CameraParameters(**{**PERFECT, "swapped": 0.1, "duplicated": 0.1}))
     left = np.array([m.hands["left"].position[0] for m in messages])
     right = np.array([m.hands["right"].position[0] for m in messages])
     assert ((left > 0) & (right < 0)).mean() == pytest.approx(0.1, abs=0.04)
@@ -81,11 +80,11 @@ def test_labels_are_swapped_and_doubled(ycb):
 
 def test_an_arm_before_an_object_hides_it(ycb):
     random = np.random.default_rng(3)
-    table = set_table(models_by_id(ycb), Protocol(), random)
+    table = set_table(models_by_id(ycb), ProtocolParameters(), random)
     hidden = table.middle("soup")
     palm = AT + 0.6 * (hidden - AT)
-    camera = Camera(**{**PERFECT, "occluded": 1.0})
-    messages = film(
+    camera = CameraParameters(**{**PERFECT, "occluded": 1.0})
+    messages = observe_scene(
         np.arange(60) / 30, {"right": np.tile(palm, (60, 1))}, table, AT, camera, random
     )
     looks = [m.objects["soup"] for m in messages if m.objects]
@@ -93,7 +92,7 @@ def test_an_arm_before_an_object_hides_it(ycb):
 
 
 def test_flips_keep_the_place_and_turn_by_a_symmetry(ycb):
-    table, messages = filmed(ycb, Camera(**{**PERFECT, "flips": 1.0}))
+    table, messages = filmed(ycb, CameraParameters(**{**PERFECT, "flips": 1.0}))
     pose = next(m.objects["cracker"] for m in messages if m.objects)
     turned = Rotation.from_quat(pose.orientation)
     middle = turned.apply(table.models["cracker"].origin) + pose.position
@@ -104,5 +103,7 @@ def test_flips_keep_the_place_and_turn_by_a_symmetry(ycb):
 
 def test_cameras_stand_on_their_sides():
     for side, sign in (("left", -1), ("right", 1)):
-        places = [place_camera(Camera(), side, np.random.default_rng(k)) for k in range(50)]
+        places = [
+            place_camera(CameraParameters(), side, np.random.default_rng(k)) for k in range(50)
+        ]
         assert np.mean(places, axis=0) == pytest.approx([sign * 0.45, -0.1, 0.5], abs=0.02)

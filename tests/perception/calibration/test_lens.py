@@ -1,13 +1,14 @@
-"""A lens that is found with a board is the one the pictures were made with."""
+"""A lens that is calibrated with a board is the one the pictures were made with."""
 
 import cv2
 import numpy as np
 import pytest
 
 from board_pictures import CAMERA, looking_at, see
+from igrip.errors import CameraError
 from igrip.perception.calibration.board import Board
-from igrip.perception.calibration.lens import Lens, find_lens
-from igrip.perception.cameras import CameraError
+from igrip.perception.calibration.lens import calibrate_lens
+from igrip.perception.lens import Rectifier, write_lens
 from igrip.rgbd import RgbdFrame
 
 BOARD = Board()
@@ -35,17 +36,18 @@ def views(count=12, change=bend):
         yield change(see(BOARD, looking_at(place, target), k / 30, seed=k))
 
 
-def test_a_lens_is_found(tmp_path):
-    found = find_lens(views(), BOARD, views=12)
+def test_a_lens_is_calibrated(tmp_path):
+    found = calibrate_lens(views(), BOARD, views=12)
     assert found.error < 0.3
-    assert found.intrinsics[:2] == (1280, 720)
-    assert found.intrinsics[2:4] == pytest.approx((900.0, 902.0), rel=0.005)
-    assert found.intrinsics[4:] == pytest.approx((640.3, 358.8), abs=4.0)
-    assert found.distortion[:2] == pytest.approx(BENT[:2], abs=0.05)
-    found.write(tmp_path / "lens.json")
+    intrinsics, distortion = found.lens
+    assert intrinsics[:2] == (1280, 720)
+    assert intrinsics[2:4] == pytest.approx((900.0, 902.0), rel=0.005)
+    assert intrinsics[4:] == pytest.approx((640.3, 358.8), abs=4.0)
+    assert distortion[:2] == pytest.approx(BENT[:2], abs=0.05)
+    write_lens(tmp_path / "lens.json", found.lens, found.error)
     frame = next(iter(views(1, change=lambda frame: frame)))
-    straight, own = Lens(str(tmp_path / "lens.json")).see(bend(frame).colour)
-    assert own.fx == pytest.approx(found.intrinsics.fx)
+    straight, own = Rectifier(str(tmp_path / "lens.json")).rectify(bend(frame).colour)
+    assert own.fx == pytest.approx(intrinsics.fx)
     inside = np.s_[100:-100, 200:-200, 0]
     wrong = np.abs(straight[inside].astype(float) - frame.colour[inside])
     assert np.mean(wrong > 80) < 0.01  # edges lie on edges
@@ -57,11 +59,11 @@ def test_one_view_again_and_again_is_not_enough():
     frame = next(iter(views(1)))
     again = (RgbdFrame(k / 30, frame.colour, None, frame.intrinsics) for k in range(5))
     with pytest.raises(CameraError, match="seen in 1 places, 8 are needed"):
-        find_lens(again, BOARD)
+        calibrate_lens(again, BOARD)
 
 
 def test_a_file_that_cannot_be_written(tmp_path):
-    found = find_lens(views(8, change=lambda frame: frame), BOARD, views=8)
-    assert np.abs(found.distortion[:2]).max() < 0.05
+    found = calibrate_lens(views(8, change=lambda frame: frame), BOARD, views=8)
+    assert np.abs(found.lens.distortion[:2]).max() < 0.05
     with pytest.raises(CameraError, match="nowhere"):
-        found.write(tmp_path / "nowhere" / "lens.json")
+        write_lens(tmp_path / "nowhere" / "lens.json", found.lens, found.error)

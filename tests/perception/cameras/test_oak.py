@@ -167,23 +167,22 @@ def test_silence(fake, monkeypatch):
     fake.queue.groups.append(pair(1.0))
     iterator = iter(camera)
     next(iterator)
-    with pytest.raises(CameraError, match="sent no new picture for 0 s; is it still plugged in"):
+    with pytest.raises(CameraError, match=r"for 0.05 s oak-XYZ has sent no picture; is it still"):
         next(iterator)
     monkeypatch.setattr("igrip.perception.cameras._polled.WARM_UP", 0.05)
-    with pytest.raises(CameraError, match="sent no new picture"):
+    with pytest.raises(CameraError, match="has sent no picture"):
         next(iter(camera))
 
 
 def test_closing_from_another_thread_ends_the_wait(fake):
     camera = open_camera("oak?size=64x48")
-    seen = []
-    thread = threading.Thread(target=lambda: seen.extend(camera))
+    frames = []
+    thread = threading.Thread(target=lambda: frames.extend(camera))
     thread.start()
-    time.sleep(0.05)
     camera.close()
-    thread.join(5.0)
+    thread.join(60.0)
     assert not thread.is_alive()
-    assert seen == []
+    assert frames == []
 
 
 def test_depth_that_is_not_aligned_is_no_frame(fake):

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from igrip.io.recordings.mcap_writer import McapWriter
+from igrip.io.mcap.writer import McapWriter
 from igrip.perception.cameras import CameraError, open_camera
 from rgbd_frames import frame, same
 
@@ -69,7 +69,7 @@ def test_closing_ends_the_wait(tmp_path):
         time.sleep(0.01)
     camera.close()
     camera.close()
-    thread.join(5.0)
+    thread.join(60.0)
     assert not thread.is_alive()
     assert len(seen) == 1
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from igrip.entities import Hand, ObjectPose
-from igrip.perception.pipeline.merge import HandsFound, Merge, ObjectsFound
+from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects, Merger
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 BOX = {"model": "box", "orientation": (0.0, 0.0, 0.0, 1.0)}
@@ -20,45 +20,45 @@ def frame(t):
 
 
 def hands(t):
-    return HandsFound(frame(t), {"right": Hand(position=(0.0, 0.0, 0.5)), "left": None}, {})
+    return DetectedHands(frame(t), {"right": Hand(position=(0.0, 0.0, 0.5)), "left": None}, {})
 
 
 def objects(t, own):
-    return ObjectsFound(frame(t), {"box": ObjectPose(position=(0.0, 0.0, 1.0), t=own, **BOX)})
+    return DetectedObjects(frame(t), {"box": ObjectPose(position=(0.0, 0.0, 1.0), t=own, **BOX)})
 
 
 def test_results_are_stamped_on_arrival_and_keep_their_time_of_exposure():
-    merge = Merge(100.0)
-    message = merge.take(hands(100.50), now=100.53)
+    merger = Merger(100.0)
+    message = merger.observation(hands(100.50), now=100.53)
     assert message.t == pytest.approx(0.53)
     assert message.hands["right"].t == pytest.approx(0.50)
     assert message.hands["left"] is None
-    message = merge.take(objects(100.4, own=100.1), now=100.6)
+    message = merger.observation(objects(100.4, own=100.1), now=100.6)
     assert message.objects["box"].t == pytest.approx(0.1)  # hidden since then
 
 
-def test_what_was_measured_before_the_stream_is_not_told_as_new():
-    merge = Merge(100.0)
-    assert not merge.take(hands(99.0), now=100.1).hands
-    assert not merge.take(objects(100.05, own=99.0), now=100.2).objects
+def test_what_was_measured_before_the_stream_is_left_out():
+    merger = Merger(100.0)
+    assert not merger.observation(hands(99.0), now=100.1).hands
+    assert not merger.observation(objects(100.05, own=99.0), now=100.2).objects
 
 
-def test_a_tick_says_that_time_passed():
-    merge = Merge(5.0)
-    assert merge.silent(5.06) == pytest.approx(0.06)
-    tick = merge.tick(5.06)
+def test_a_tick_ends_the_silence():
+    merger = Merger(5.0)
+    assert merger.silence(5.06) == pytest.approx(0.06)
+    tick = merger.tick(5.06)
     assert tick.t == pytest.approx(0.06)
     assert not tick.hands
     assert not tick.objects
-    assert merge.silent(5.06) == pytest.approx(0.0)
+    assert merger.silence(5.06) == pytest.approx(0.0)
 
 
 @given(st.lists(st.tuples(st.booleans(), st.floats(-0.2, 3.0), st.floats(0.0, 0.3)), max_size=20))
 def test_times_never_decrease_and_are_never_negative(results):
-    merge, last = Merge(1000.0), 0.0
+    merger, last = Merger(1000.0), 0.0
     for is_hand, at, delay in results:
         found = hands(1000.0 + at) if is_hand else objects(1000.0 + at, 1000.0 + at - 0.1)
-        message = merge.take(found, 1000.0 + at + delay)
+        message = merger.observation(found, 1000.0 + at + delay)
         assert message.t >= last
         last = message.t
         for entity in (*message.hands.values(), *message.objects.values()):

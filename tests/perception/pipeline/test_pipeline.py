@@ -2,136 +2,187 @@
 
 from __future__ import annotations
 
-import itertools
 import threading
-import time
 
 import pytest
 
-from igrip.errors import IgripError
-from igrip.perception.cameras import CameraError
-from igrip.perception.pipeline.merge import TICK
+from igrip.errors import CameraError, IgripError
 from igrip.perception.pipeline.pipeline import Pipeline
-from live_fakes import FakeCamera, hands_finder, objects_finder
+from igrip.runtime.loop import TICK
+from live_fakes import LIMIT, Clock, FakeCamera, hand_stage, object_stage
 
 
-def finders(**options):
-    return lambda: hands_finder(**options)
+class Counter:
+    """Counts up, and lets others wait for a count."""
+
+    def __init__(self):
+        self.count, self._change = 0, threading.Condition()
+
+    def add(self, *_):
+        with self._change:
+            self.count += 1
+            self._change.notify_all()
+
+    def wait(self, count):
+        with self._change:
+            assert self._change.wait_for(lambda: self.count >= count, LIMIT)
 
 
-def test_a_recording_ends_the_stream_and_its_last_frame_is_seen():
-    seen = []
-    chain = Pipeline(FakeCamera(count=20), finders(seen=seen), objects_finder)
-    with chain:
-        messages = list(chain)
-    hands = [m for m in messages if m.hands]
-    assert len(hands) >= 15
-    assert any(m.objects for m in messages)
-    times = [m.t for m in messages]
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+def hand_messages(messages):
+    return [message for message in messages if message.hands]
+
+
+def test_a_recording_ends_the_stream_and_its_last_frame_is_worked_on(clock):
+    pipeline = Pipeline(FakeCamera(clock, 20), hand_stage, object_stage, clock)
+    with pipeline:
+        messages = list(pipeline)
+    times = [message.t for message in messages]
     assert times == sorted(times)
-    assert hands[-1].hands["right"].t == pytest.approx(seen[-1].t - chain.begin)
+    assert hand_messages(messages)[-1].hands["right"].t == pytest.approx(20 / 30)
+    assert [m for m in messages if m.objects][-1].objects["box"].t == pytest.approx(20 / 30)
 
 
-def test_hands_come_at_their_rate_however_slow_objects_are():
-    given = []
-    chain = Pipeline(
-        FakeCamera(count=60), finders(), lambda: objects_finder(takes=0.15, given=given)
+def test_hands_come_at_their_rate_however_slow_objects_are(clock):
+    read, begun, release, given = Counter(), threading.Event(), threading.Event(), []
+
+    def before(k):
+        read.wait(k)  # every message of a hand is read before the next frame
+        if k == 1:
+            assert begun.wait(LIMIT)
+
+    def slow(frame, hands):
+        given.append(hands)
+        begun.set()
+        assert release.wait(LIMIT)
+
+    pipeline = Pipeline(
+        FakeCamera(clock, 60, before), hand_stage, lambda: object_stage(slow), clock
     )
-    with chain:
-        messages = list(chain)
-    hands, objects = (sum(bool(x) for x in kind) for kind in
-                      ([m.hands for m in messages], [m.objects for m in messages]))  # fmt: skip
-    assert hands >= 50
-    assert 2 <= objects <= 8
-    report = chain.report()
-    assert report["camera: objects"]["skipped"] >= 40
-    assert report["camera: hands"]["skipped"] <= 5
-    assert any(g is not None for g in given)  # objects were told where the hands are
-    ages = [m.t - m.hands["right"].t for m in messages if m.hands]
-    assert max(ages) < 0.1
-
-
-def test_a_slow_reader_gets_the_newest_and_no_queue():
-    chain = Pipeline(FakeCamera(count=40), finders(), None)
-    with chain:
-        messages = []
-        for message in chain:
-            time.sleep(0.05)
+    messages = []
+    with pipeline:
+        for message in pipeline:
             messages.append(message)
-    assert sum(bool(m.hands) for m in messages) <= 15
-    assert chain.replaced >= 20
+            if message.hands:
+                read.add()
+            if read.count == 60:
+                release.set()
+    ages = [message.t - message.hands["right"].t for message in hand_messages(messages)]
+    assert ages == pytest.approx([0.0] * 60)
+    assert len(given) == 2
+    assert any(message.objects for message in messages)
+    report = pipeline.report()
+    assert report["camera: objects"]["skipped"] == 58
+    assert report["camera: hands"]["skipped"] == 0
+    assert given[1].frame.t == pytest.approx(clock())  # objects are given the newest hands
 
 
-def test_silence_is_told_by_ticks():
-    chain = Pipeline(FakeCamera(rate=2.0), finders(), None)
-    with chain:
-        messages = list(itertools.islice(chain, 12))
-    steps = [b.t - a.t for a, b in itertools.pairwise(messages)]
-    assert max(steps) < TICK + 0.05
-    assert sum(not m.hands and not m.objects for m in messages) >= 8
+def test_a_slow_reader_gets_the_newest_and_no_queue(clock):
+    worked = Counter()
+    camera = FakeCamera(clock, 40, worked.wait)
+    pipeline = Pipeline(camera, lambda: hand_stage(worked.add), None, clock)
+    with pipeline:
+        hands = (message for message in pipeline if message.hands)
+        first = next(hands)
+        worked.wait(40)
+        hands = [first, *hands]
+    assert len(hands) <= 3
+    assert hands[-1].hands["right"].t == pytest.approx(40 / 30)
+    assert pipeline.replaced == 40 - len(hands)
 
 
-def test_a_camera_that_fails_ends_the_stream_with_its_error():
-    chain = Pipeline(FakeCamera(count=5, error=CameraError("unplugged")), finders(), None)
-    with chain, pytest.raises(CameraError, match="unplugged"):
-        list(chain)
+def test_there_are_ticks_in_silence(clock):
+    pipeline = Pipeline(FakeCamera(clock, 1, endless=True), hand_stage, None, clock)
+    with pipeline:
+        messages = iter(pipeline)
+        assert next(messages).hands
+        for _ in range(5):
+            clock.advance(TICK + 0.01)
+            tick = next(messages)
+            assert not tick.hands
+            assert tick.t == pytest.approx(clock() - pipeline.begin)
 
 
-def test_a_frame_that_fails_costs_itself_alone():
-    chain = Pipeline(FakeCamera(count=30), finders(fails=lambda n: n % 3 == 0), None)
-    with chain:
-        messages = list(chain)
-    assert sum(bool(m.hands) for m in messages) >= 15
-    assert chain.report()["camera: hands"]["failed"] >= 8
+def test_a_camera_that_fails_ends_the_stream_with_its_error(clock):
+    camera = FakeCamera(clock, 5, error=CameraError("unplugged"))
+    pipeline = Pipeline(camera, hand_stage, None, clock)
+    with pipeline, pytest.raises(CameraError, match="unplugged"):
+        list(pipeline)
 
 
-def test_a_finder_that_always_fails_is_said_to():
-    chain = Pipeline(FakeCamera(rate=500.0), finders(fails=lambda n: True), None)
-    with chain, pytest.raises(IgripError, match="hands of camera: a strange picture"):
-        list(chain)
+def failing(worked, fails):
+    def work(frame):
+        worked.add()
+        if fails(worked.count):
+            raise ValueError("a strange picture")
+
+    return work
 
 
-def test_closing_from_elsewhere_ends_it():
-    chain = Pipeline(FakeCamera(), finders(), objects_finder)
-    with chain:
-        threading.Timer(0.1, chain.close).start()
-        begin = time.monotonic()
-        list(chain)
-        assert time.monotonic() - begin < 3.0
+def test_a_frame_that_fails_costs_itself_alone(clock):
+    worked = Counter()
+    work = failing(worked, lambda n: n % 3 == 0)
+    pipeline = Pipeline(FakeCamera(clock, 30, worked.wait), lambda: hand_stage(work), None, clock)
+    with pipeline:
+        hands = hand_messages(pipeline)
+    assert len(hands) + pipeline.replaced == 20
+    assert pipeline.report()["camera: hands"]["failed"] == 10
 
 
-def test_no_thread_is_left_and_finders_are_closed():
+def test_a_stage_that_always_fails_ends_the_stream_with_its_error(clock):
+    worked = Counter()
+    camera = FakeCamera(clock, 30, worked.wait, endless=True)
+    work = failing(worked, lambda n: True)
+    pipeline = Pipeline(camera, lambda: hand_stage(work), None, clock)
+    with pipeline, pytest.raises(IgripError, match="hands of camera: a strange picture"):
+        list(pipeline)
+
+
+def test_closing_from_another_thread_ends_it(clock):
+    pipeline = Pipeline(FakeCamera(clock, endless=True), hand_stage, object_stage, clock)
+    with pipeline:
+        messages = iter(pipeline)
+        next(messages)
+        closing = threading.Thread(target=pipeline.close)
+        closing.start()
+        list(messages)
+        closing.join()
+
+
+def test_no_thread_is_left_and_stages_are_closed(clock):
     closed = []
 
-    class Finder:
+    class Stage:
         def __init__(self):
-            self.find = hands_finder()
+            self.detect = hand_stage()
 
         def __call__(self, frame):
-            return self.find(frame)
+            return self.detect(frame)
 
         def close(self):
             closed.append(threading.current_thread().name)
 
-    before = threading.active_count()
-    with Pipeline(FakeCamera(), Finder, objects_finder) as chain:
-        for message in chain:
-            if message.t > 0.2:
-                break
-    assert threading.active_count() == before
+    before = set(threading.enumerate())
+    with Pipeline(FakeCamera(clock, endless=True), Stage, object_stage, clock) as pipeline:
+        next(iter(pipeline))
+    assert set(threading.enumerate()) == before
     assert closed == ["igrip-camera: hands"]
 
 
-def test_each_camera_has_its_own_finders():
+def test_each_camera_has_its_own_stages(clock):
     made = []
 
     def new():
         made.append(1)
-        return hands_finder()
+        return hand_stage()
 
-    chain = Pipeline(FakeCamera(count=10, cameras=("a", "b")), new, None)
-    with chain:
-        list(chain)
+    pipeline = Pipeline(FakeCamera(clock, cameras=("a", "b")), new, None, clock)
+    with pipeline:
+        list(pipeline)
     assert len(made) == 2
-    assert set(chain.pictures()) == {"a", "b"}
-    assert {"a: hands", "b: hands"} <= set(chain.report())
+    assert set(pipeline.latest_hands()) == {"a", "b"}
+    assert {"a: hands", "b: hands"} <= set(pipeline.report())

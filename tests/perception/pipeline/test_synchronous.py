@@ -1,4 +1,4 @@
-"""The chain frame by frame: order, delays, rates."""
+"""The pipeline frame by frame: order, delays, rates."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import itertools
 import pytest
 
 from igrip.perception.pipeline.synchronous import observe
-from live_fakes import frame, hands_finder, objects_finder
+from live_fakes import frame, hand_stage, object_stage
 
 
-def test_each_frame_is_told_when_a_live_chain_would():
+def test_results_arrive_when_those_of_a_live_pipeline_would():
     frames = [frame(10.0 + k / 30) for k in range(12)]
-    told = list(observe(frames, hands_finder(), objects_finder(), objects_every=4,
+    messages = list(observe(frames, hand_stage(), object_stage(), objects_every=4,
                         hands_delay=0.02, objects_delay=0.11))  # fmt: skip
-    hands, objects = [m for m in told if m.hands], [m for m in told if m.objects]
+    hands, objects = [m for m in messages if m.hands], [m for m in messages if m.objects]
     assert (len(hands), len(objects)) == (12, 3)
-    assert [m.t for m in told] == sorted(m.t for m in told)
+    assert [m.t for m in messages] == sorted(m.t for m in messages)
     for k, message in enumerate(hands):
         assert message.t == pytest.approx(k / 30 + 0.02)
         assert message.hands["right"].t == pytest.approx(k / 30)
@@ -26,6 +26,6 @@ def test_each_frame_is_told_when_a_live_chain_would():
 
 def test_it_may_be_hands_alone_or_nothing():
     frames = [frame(k / 30) for k in range(3)]
-    assert len(list(observe(frames, hands_finder(), None))) == 3
-    assert not list(observe([], hands_finder(), objects_finder()))
+    assert len(list(observe(frames, hand_stage(), None))) == 3
+    assert not list(observe([], hand_stage(), object_stage()))
     assert not list(itertools.islice(observe(frames, None, None), 1))

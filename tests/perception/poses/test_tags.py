@@ -24,7 +24,7 @@ OBLIQUE = pose([0.02, 0.03, 0.4], [0.5, 0.3, 0.1])
 
 
 @pytest.fixture
-def finder(shapes):
+def estimator(shapes):
     return POSES.get("tags")(shapes, {"tags": {7: TAG}})
 
 
@@ -44,56 +44,56 @@ def matrix(told):
     return placed
 
 
-def test_the_object_is_where_its_tag_says_in_the_world(finder):
+def test_the_object_is_where_its_tag_says_in_the_world(estimator):
     world = np.eye(4)
     world[:3, :3] = Rotation.from_euler("xyz", [-2.0, 0.1, 0.5]).as_matrix()
     world[:3, 3] = [0.3, -0.4, 0.6]
-    told = finder.find(frame_at(1.25, world=world))["box"]
+    told = estimator.estimate(frame_at(1.25, world=world))["box"]
     np.testing.assert_allclose(matrix(told), world @ OBLIQUE @ np.linalg.inv(PLACE), atol=0.02)
     assert (told.model, told.t, told.source) == (BOX, 1.25, "tags")
     assert told.score > 0.99
     assert all(1e-5 < s < 5e-3 for s in told.std)
 
 
-def test_what_was_never_seen_is_not_told(finder):
-    assert finder.find(frame_at(0.0, None)) == {}
+def test_what_was_never_seen_is_not_told(estimator):
+    assert estimator.estimate(frame_at(0.0, None)) == {}
 
 
-def test_a_hidden_object_keeps_its_pose_and_its_time(finder):
-    told = finder.find(frame_at(0.0))["box"]
-    assert finder.find(frame_at(0.2, None))["box"] == told
+def test_a_hidden_object_keeps_its_pose_and_its_time(estimator):
+    told = estimator.estimate(frame_at(0.0))["box"]
+    assert estimator.estimate(frame_at(0.2, None))["box"] == told
     middle = CAMERA.pixels(OBLIQUE[None, :3, 3])
     hand = middle + np.random.default_rng(0).uniform(-20, 20, (21, 2))
-    assert finder.find(frame_at(5.0, None), [hand])["box"] == told
+    assert estimator.estimate(frame_at(5.0, None), [hand])["box"] == told
     near = np.full((400, 640), 0.25, np.float32)
-    assert finder.find(frame_at(6.0, None, depth=near))["box"] == told
+    assert estimator.estimate(frame_at(6.0, None, depth=near))["box"] == told
 
 
-def test_an_object_that_was_taken_away_is_gone_and_told_so_once(finder):
-    finder.find(frame_at(0.0))
-    assert finder.find(frame_at(0.9, None))["box"] is not None
-    assert finder.find(frame_at(1.1, None)) == {"box": None}
-    assert finder.find(frame_at(1.2, None)) == {}
-    assert finder.find(frame_at(1.3))["box"].t == 1.3
+def test_an_object_that_was_taken_away_is_gone_and_told_so_once(estimator):
+    estimator.estimate(frame_at(0.0))
+    assert estimator.estimate(frame_at(0.9, None))["box"] is not None
+    assert estimator.estimate(frame_at(1.1, None)) == {"box": None}
+    assert estimator.estimate(frame_at(1.2, None)) == {}
+    assert estimator.estimate(frame_at(1.3))["box"].t == 1.3
 
 
-def test_a_run_that_begins_anew_knows_nothing(finder):
-    finder.find(frame_at(10.0))
-    assert finder.find(frame_at(0.0, None)) == {}
+def test_a_run_that_begins_anew_knows_nothing(estimator):
+    estimator.estimate(frame_at(10.0))
+    assert estimator.estimate(frame_at(0.0, None)) == {}
 
 
 def test_only_the_models_that_are_asked_for(shapes):
     both = {7: TAG, 8: {**TAG, "model": CAN, "id": "can"}}
-    finder = POSES.get("tags")(shapes, {"tags": both, "models": [CAN]})
-    assert finder.find(frame_at(0.0)) == {}
+    estimator = POSES.get("tags")(shapes, {"tags": both, "models": [CAN]})
+    assert estimator.estimate(frame_at(0.0)) == {}
 
 
 def test_tags_from_a_file(shapes, tmp_path):
     lines = [f'[tags.7]\nmodel = "{BOX}"\nid = "box"\nsize = 0.05']
     lines += [f"position = {TAG['position']}", f"orientation = {TAG['orientation']}"]
     (tmp_path / "tags.toml").write_text("\n".join(lines))
-    finder = POSES.get("tags")(shapes, {"tags": str(tmp_path / "tags.toml")})
-    told = finder.find(frame_at(0.0))["box"]
+    estimator = POSES.get("tags")(shapes, {"tags": str(tmp_path / "tags.toml")})
+    told = estimator.estimate(frame_at(0.0))["box"]
     np.testing.assert_allclose(matrix(told), OBLIQUE @ np.linalg.inv(PLACE), atol=0.02)
 
 

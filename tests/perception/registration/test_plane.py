@@ -39,7 +39,7 @@ def test_the_noise_is_measured_with_it():
     points = points_of_plane(down, 0.5, random, noise=0.003)
     plane = find_plane(points, random)
     true = np.median(np.abs(points @ down - 0.5) / points[:, 2] ** 2) * 1.4826
-    assert plane.spread == pytest.approx(true, rel=0.1)
+    assert plane.noise == pytest.approx(true, rel=0.1)
 
 
 def test_where_there_is_none():

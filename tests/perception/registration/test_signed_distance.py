@@ -4,7 +4,7 @@ import numpy as np
 
 from igrip import load_objects
 from igrip.mesh.bvh import build_bvh
-from igrip.perception.registration.signed_distance import build_field, look_up, look_up_all
+from igrip.perception.registration.signed_distance import look_up, signed_distance_field
 
 NAME = "box:0.07x0.16x0.21"
 HALF = np.array([0.035, 0.08, 0.105])
@@ -17,14 +17,13 @@ def distance(points):
 
 def field_of_box():
     model = load_objects(NAME)[NAME]
-    return build_field(model.vertices, model.bvh)
+    return signed_distance_field(model.vertices, model.bvh)
 
 
 def test_distances_of_a_box():
     field = field_of_box()
     points = np.random.default_rng(0).uniform(-0.13, 0.13, (2000, 3))
-    found = np.empty(len(points))
-    look_up_all(*field, points, found)
+    found = field.distances(points)
     inside = (np.abs(points) < HALF + 0.03).all(axis=1)
     error = np.abs(found - distance(points))
     assert error[inside].max() < field.cell
@@ -48,6 +47,6 @@ def test_a_mesh_without_a_bottom_has_an_inside(ycb):
     whole = ycb["003_cracker_box"]
     triangles = whole.vertices[whole.faces]
     kept = triangles.mean(axis=1)[:, 2] > whole.vertices[:, 2].min() + 0.003
-    field = build_field(whole.vertices, build_bvh(whole.vertices, whole.faces[kept]))
+    field = signed_distance_field(whole.vertices, build_bvh(whole.vertices, whole.faces[kept]))
     assert look_up(*field, *whole.sphere[:3], np.empty(3)) < -0.02
     assert look_up(*field, *(whole.sphere[:3] + [0.06, 0, 0]), np.empty(3)) > 0.01

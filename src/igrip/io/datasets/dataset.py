@@ -10,12 +10,11 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from igrip.errors import DatasetError, RecordingError
 from igrip.io.datasets.trial import COLUMNS, Trial, read_trials
-from igrip.io.recordings.files import ENDINGS
+from igrip.io.recordings import SOURCES
 from igrip.io.recordings.jsonl import JsonlWriter
 from igrip.observation import Observation
 
@@ -26,7 +25,7 @@ FORMAT = "igrip-dataset/1"
 
 @dataclass(frozen=True)
 class Dataset:
-    """A dataset as it lies on disk.
+    """A dataset on disk.
 
     Attributes
     ----------
@@ -84,19 +83,19 @@ class Dataset:
         RecordingError
             If there is none.
         """
-        _plain_name(trial.recording)
-        for ending in ENDINGS:
-            path = self.path / "recordings" / f"{trial.recording}{ending}"
+        _check_name(trial.recording)
+        for ending in SOURCES.names():
+            path = self.path / "recordings" / f"{trial.recording}.{ending}"
             if path.is_file():
                 return path
         raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")
 
 
 class DatasetWriter:
-    """Writes a dataset: the recordings as they come, the tables when it is closed.
+    """Write a dataset: each recording when it is added, the tables at the end.
 
-    It grows in a hidden folder beside its own, which takes its name at the end: a dataset is there
-    as a whole or not at all. As a context manager it leaves nothing behind when it is not closed.
+    The files go into a hidden folder beside the final one, which :meth:`close` renames, so that a
+    dataset is complete or does not exist. As a context manager, it removes an unfinished one.
 
     Parameters
     ----------
@@ -110,7 +109,7 @@ class DatasetWriter:
     Raises
     ------
     DatasetError
-        If the folder holds something already.
+        If the folder is not empty.
     """
 
     def __init__(
@@ -128,14 +127,14 @@ class DatasetWriter:
         (self.path / "recordings").mkdir()
 
     def add(self, trial: Trial, observations: Iterable[Observation]) -> None:
-        """Write one recording and remember its row.
+        """Write one recording and keep its row for the table.
 
         Raises
         ------
         DatasetError
-            If the recording's name is not plain, or was given before.
+            If the recording's name is no plain file name, or not new.
         """
-        _plain_name(trial.recording)
+        _check_name(trial.recording)
         if (self.path / "recordings" / f"{trial.recording}.jsonl").exists():
             raise DatasetError(f"two recordings are named {trial.recording!r}")
         with JsonlWriter(self.path / "recordings" / f"{trial.recording}.jsonl") as file:
@@ -174,18 +173,13 @@ class DatasetWriter:
     def __enter__(self) -> DatasetWriter:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if self.path != self._final:  # not closed: leave nothing behind
+    def __exit__(self, *exception: object) -> None:
+        if self.path != self._final:  # not closed
             shutil.rmtree(self.path, ignore_errors=True)
 
 
-def _plain_name(name: str) -> None:
-    """Refuse a name that would lead out of its folder."""
+def _check_name(name: str) -> None:
+    """Raise an error for a name that would lead out of its folder."""
     if not name or name in (".", "..") or any(c in name for c in "/\\\0") or name.startswith("."):
         raise DatasetError(f"a recording cannot be named {name!r:.80}")
 

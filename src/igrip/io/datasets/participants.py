@@ -8,7 +8,7 @@ from igrip.io.datasets.dataset import Dataset
 
 
 def participants_without_trials(dataset: Dataset) -> list[str]:
-    """Return who is named in the table of participants, but in no row of the trials."""
+    """Return the participants that have a row in their table, but no trial."""
     path = dataset.path / "participants.tsv"
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -17,5 +17,5 @@ def participants_without_trials(dataset: Dataset) -> list[str]:
         return []  # the table is optional
     present = {trial.participant for trial in dataset.trials}
     if present <= {None}:
-        return []  # the trials do not say whose they are
+        return []  # the trials have no column of participants
     return sorted({name for name in named if name and name not in present})

@@ -21,17 +21,17 @@ class Trial:
     recording : str
         Name of the recording, without folder and ending.
     participant, trial, camera, camera_side : str or None
-        Whose it is, which, and from where it was seen (``camera_side`` left or right).
+        The person, the trial, the camera and its side (left or right).
     hand, target, grip, movement : str or None
         The task. ``target`` is the id of an object in the recording, ``none``: no reach.
     onset_s, end_s : float or None
         Of the movement, on the recording's clock [s].
     performed, repeat_of : str or None
-        Whether the task was done, and which trial this one repeats.
+        Whether the task was done, and the trial that this one repeats.
     extra : mapping of str to str
         Further columns.
     problem : str or None
-        What is wrong with the row, where the table was read leniently.
+        The error in the row, where the table was read leniently.
     """
 
     recording: str
@@ -56,7 +56,7 @@ _NUMBERS = ("onset_s", "end_s")
 
 
 def read_trials(path: Path, lenient: bool) -> Sequence[Trial]:
-    """Read the table; see :meth:`igrip.io.datasets.dataset.Dataset.open`."""
+    """Return the rows of the table; see :meth:`igrip.io.datasets.dataset.Dataset.open`."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file, delimiter="\t")
@@ -66,14 +66,14 @@ def read_trials(path: Path, lenient: bool) -> Sequence[Trial]:
             trials = [_trial(path, number, row, lenient) for number, row in rows]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise DatasetError(f"{path}: {error}") from error
-    seen: set[str] = set()
+    recordings: set[str] = set()
     for k, trial in enumerate(trials):
-        if trial.recording in seen:
+        if trial.recording in recordings:
             problem = f"{path}, line {k + 2}: recording {trial.recording!r} is in an earlier line"
             if not lenient:
                 raise DatasetError(problem)
             trials[k] = replace(trial, problem=problem)
-        seen.add(trial.recording)
+        recordings.add(trial.recording)
     return tuple(trials)
 
 
@@ -83,13 +83,9 @@ def _trial(path: Path, number: int, row: Mapping[str | None, Any], lenient: bool
     values: dict[str, Any] = {}
     extra: dict[str, str] = {}
     problem: str | None = None
-    for name, text in row.items():
-        text = text.strip() if isinstance(text, str) else None
-        if (
-            name is None
-            or not text
-            or (name in COLUMNS[1:] and text.lower() == "nan" and name not in _NUMBERS)
-        ):
+    for name, cell in row.items():
+        text = (cell or "").strip()
+        if name is None or not text:
             continue
         if name in _NUMBERS:
             try:
@@ -99,10 +95,10 @@ def _trial(path: Path, number: int, row: Mapping[str | None, Any], lenient: bool
             if not math.isfinite(values[name]):
                 problem = f"{path}, line {number}, {name}: {text!r} is no time"
                 del values[name]
-        elif name in COLUMNS:
-            values[name] = text
-        else:
+        elif name not in COLUMNS:
             extra[name] = text
+        elif name == "recording" or text.lower() != "nan":
+            values[name] = text
     if "recording" not in values:
         raise DatasetError(f"{path}, line {number}: recording is empty")
     if values.get("onset_s", -math.inf) >= values.get("end_s", math.inf):

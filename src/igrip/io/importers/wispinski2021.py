@@ -6,15 +6,12 @@ Two tables: ``trials`` (trial, participant, target, near, position of both objec
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from igrip.io.importers import IMPORTERS, RecordedReach
-
-if TYPE_CHECKING:
-    import pandas as pd
+from igrip.io.importers import IMPORTERS, ImportFiles, ReachReader, RecordedReach
 
 _TRIALS = {
     "trial", "participant", "start_pad", "target", "near", "block",
@@ -24,7 +21,7 @@ _REACHES = {"trial", "t", "x", "y", "z"}
 
 
 class Wispinski2021:
-    """The layout of these two tables."""
+    """Importer of these two tables."""
 
     name = "Near/far reaches (Wispinski et al. 2021)"
     license = "BSD-3-Clause"
@@ -34,23 +31,24 @@ class Wispinski2021:
         "hand is not recorded and called 'right'. Objects have a position, no orientation or shape."
     )
 
-    def recognises(self, tables: Mapping[str, pd.DataFrame]) -> bool:
-        """Whether there are a table of trials and one of reaches with these columns."""
+    def recognises(self, files: ImportFiles) -> bool:
+        """Return whether there are a table of trials and one of reaches with these columns."""
+        tables = files.tables
         return (
             {"trials", "reaches"} <= tables.keys()
             and set(tables["trials"].columns) >= _TRIALS
             and set(tables["reaches"].columns) >= _REACHES
         )
 
-    def reaches(self, tables: Mapping[str, pd.DataFrame]) -> Sequence[Callable[[], RecordedReach]]:
+    def reaches(self, files: ImportFiles) -> Sequence[ReachReader]:
         """Return one function per trial, in the order of the table."""
-        trials = tables["trials"]
-        samples = tables["reaches"].sort_values(["trial", "t"], kind="stable")
+        trials = files.tables["trials"]
+        samples = files.tables["reaches"].sort_values(["trial", "t"], kind="stable")
         numbers = samples["trial"].to_numpy()
         values = samples[["t", "x", "y", "z"]].to_numpy(dtype=np.float64)
         rows = trials.to_dict("records")
 
-        def reader(row: Mapping[Any, Any]) -> Callable[[], RecordedReach]:
+        def reader(row: Mapping[Any, Any]) -> ReachReader:
             def read() -> RecordedReach:
                 first = np.searchsorted(numbers, row["trial"], side="left")
                 last = np.searchsorted(numbers, row["trial"], side="right")
@@ -63,7 +61,7 @@ class Wispinski2021:
                     target=str(row["target"]),
                     times=part[:, 0] - part[:1, 0],
                     positions=part[:, 1:],
-                    places={
+                    object_positions={
                         side: np.array([row[f"{side}_{axis}"] for axis in "xyz"], dtype=np.float64)
                         for side in ("left", "right")
                     },

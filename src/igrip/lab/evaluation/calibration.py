@@ -1,94 +1,74 @@
-"""Do stated probabilities hold? Expected calibration error and Brier score."""
+"""Whether stated probabilities hold: calibration error, Brier score, and intervals of means."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import bootstrap
 
 Array = NDArray[np.float64]
 BINS = 10
 
 
-def expected_calibration_error(
-    confidence: Array, correct: NDArray[np.bool_], bins: int = BINS
-) -> float:
-    """Return the mean gap between stated confidence and share of right answers.
+class ReliabilityBins(NamedTuple):
+    """Answers by their stated probability, in bins of equal width. The bins of sets add up."""
 
-    Confidences are put into bins of equal width, and the gaps of the bins weighted by what is in
-    them (Naeini et al. 2015, AAAI 29:2901-2907; Guo et al. 2017, ICML 34:1321-1330).
+    answers: NDArray[np.int64]  # (bins,): how many
+    stated: Array  # (bins,): sums of their probabilities
+    correct: Array  # (bins,): how many were correct
 
-    Parameters
-    ----------
-    confidence : (n,)
-        Stated probability of the answer that was given, in [0, 1].
-    correct : (n,)
-        Whether it was right.
-    bins : int
-        Number of bins.
+    @classmethod
+    def of(cls, stated: Sequence[float], correct: Sequence[bool]) -> ReliabilityBins:
+        """Bin answers by their stated probability in [0, 1]."""
+        p, flags = np.asarray(stated, dtype=np.float64), np.asarray(correct, dtype=np.float64)
+        index = np.minimum((p * BINS).astype(int), BINS - 1)
+        count: NDArray[np.int64] = np.bincount(index, minlength=BINS)
+        sums = (np.bincount(index, weights=w, minlength=BINS) for w in (p, flags))
+        return cls(count, *(one.astype(np.float64) for one in sums))
 
-    Returns
-    -------
-    float
-        NaN without answers.
+    def calibration_error(self) -> float:
+        """Return the expected calibration error; NaN without answers.
+
+        The mean gap between stated probability and share of correct answers in a bin, weighted by
+        its answers (Naeini et al. 2015, AAAI 29:2901-2907; Guo et al. 2017, ICML 34:1321-1330).
+        """
+        total = self.answers.sum()
+        return float(np.abs(self.stated - self.correct).sum() / total) if total else float("nan")
+
+
+def squared_error(probability: Mapping[str, float], truth: str) -> float:
+    """Return the squared error of one answer over all classes; its mean is the Brier score.
+
+    In [0, 2] (Brier 1950, Mon. Weather Rev. 78:1-3); a true class without probability had 0.
     """
-    if not len(confidence):
-        return float("nan")
-    index = np.minimum((confidence * bins).astype(int), bins - 1)
-    count = np.bincount(index, minlength=bins)
-    gap = np.abs(
-        np.bincount(index, weights=confidence, minlength=bins)
-        - np.bincount(index, weights=correct.astype(float), minlength=bins)
-    )
-    return float(gap.sum() / count.sum())
-
-
-def brier_score(probability: Array, truth: NDArray[np.int64]) -> float:
-    """Return the mean squared error of probabilities over all classes (Brier 1950).
-
-    Parameters
-    ----------
-    probability : (n, c)
-        Rows that sum to 1.
-    truth : (n,)
-        Index of the class that was true.
-
-    Returns
-    -------
-    float
-        In [0, 2]; NaN without rows.
-    """
-    if not len(probability):
-        return float("nan")
-    target = np.eye(probability.shape[1])[truth]
-    return float(((probability - target) ** 2).sum(axis=1).mean())
+    error = sum((p - (name == truth)) ** 2 for name, p in probability.items())
+    return error + (0.0 if truth in probability else 1.0)
 
 
 def interval_over_groups(
-    values: Array, groups: NDArray[np.int64], draws: int = 2000, level: float = 0.95, seed: int = 0
+    values: ArrayLike, groups: ArrayLike, draws: int = 2000, level: float = 0.95, seed: int = 0
 ) -> tuple[float, float]:
     """Return a bootstrap interval of a mean, over groups (participants) drawn with replacement.
 
-    Parameters
-    ----------
-    values : (n,)
-        One per trial; NaN does not count.
-    groups : (n,)
-        Number of the group of each, 0, 1, ….
-    draws, level, seed
-        Of the bootstrap (Efron & Tibshirani 1993; percentile interval).
-
-    Returns
-    -------
-    low, high : float
-        NaN with fewer than two groups.
+    The percentile interval (Efron & Tibshirani 1993) of ``values`` (n,), where NaN does not count,
+    with the group of each in ``groups`` (n,). Both ends are NaN with fewer than two groups.
     """
-    known = np.isfinite(values)
-    values, groups = values[known], groups[known]
-    names, groups = np.unique(groups, return_inverse=True)
-    if len(names) < 2:
+    column = np.asarray(values, dtype=np.float64)
+    known = np.isfinite(column)
+    _, index = np.unique(np.asarray(groups)[known], return_inverse=True)
+    sums, counts = np.bincount(index, weights=column[known]), np.bincount(index)
+    if len(counts) < 2:
         return float("nan"), float("nan")
-    sums, counts = np.bincount(groups, weights=values), np.bincount(groups)
-    drawn = np.random.default_rng(seed).integers(0, len(names), (draws, len(names)))
-    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
-    low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2])
-    return float(low), float(high)
+
+    def mean(sums: Array, counts: Array, axis: int) -> Array:
+        of_all: Array = sums.sum(axis=axis) / counts.sum(axis=axis)
+        return of_all
+
+    interval = bootstrap(
+        (sums, counts), mean, paired=True, method="percentile",
+        n_resamples=draws, confidence_level=level, random_state=np.random.default_rng(seed),
+    ).confidence_interval  # fmt: skip
+    return float(interval.low), float(interval.high)

@@ -1,53 +1,66 @@
-"""Leases judged: how early, how often and how rightly, from reactive to reliable."""
+"""When leases would have been given, how often and how rightly: from reactive to reliable."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from igrip.commitment import CommitmentConfig, Committer, Evidence
+from igrip.lab.evaluation.recorded_trial import Bounds
 
 if TYPE_CHECKING:
     import pandas as pd
 
-POINTS = tuple(sorted({*(round(0.1 * k, 1) for k in range(11)), CommitmentConfig().reliability}))
-"""Reliabilities at which commitments are judged; the default is among them."""
+RELIABILITIES = tuple(
+    sorted({*(round(0.1 * k, 1) for k in range(11)), CommitmentConfig().reliability})
+)
+"""Reliabilities at which commitments are evaluated; the default is among them."""
 
 
-class Curve:
-    """The leases that one estimator would have given in one recording, at every reliability.
+class MessageEvidence(NamedTuple):
+    """What commitment was decided on after one message."""
 
-    The estimator runs once; what it says is shown to a committer for each reliability and hand.
-    """
-
-    def __init__(self, config: CommitmentConfig) -> None:
-        plain = config.model_copy(update={"needs_confirmation": False})  # nobody is there to do so
-        self._configs = [plain.model_copy(update={"reliability": r}) for r in POINTS]
-        self._committers: dict[str, list[Committer]] = {}
-        self._leases: dict[str, list[tuple[str, float] | None]] = {}
-        self.begun: list[list[tuple[float, str, str]]] = [[] for _ in POINTS]
-
-    def take(self, evidence: Mapping[str, Evidence], doubted: Collection[str] = ()) -> None:
-        """Take what is known of each hand after a message, and which could not be believed."""
-        for hand in doubted:
-            for committer in self._committers.get(hand, ()):
-                committer.reject()
-        for hand, seen in evidence.items():
-            if hand not in self._committers:
-                self._committers[hand] = [Committer(config) for config in self._configs]
-                self._leases[hand] = [None] * len(POINTS)
-            before = self._leases[hand]
-            for k, committer in enumerate(self._committers[hand]):
-                lease = committer.update(seen)
-                if lease is None:
-                    continue
-                if before[k] != (lease.target, lease.since):
-                    self.begun[k].append((seen.t, hand, lease.target))
-                before[k] = (lease.target, lease.since)
+    hands: dict[str, Evidence]  # of each hand that was measured and accepted
+    rejected: frozenset[str]  # hands whose measurement was rejected
 
 
-def judge_commitments(
-    curve: Curve, hand: str | None, target: str | None, bounds: tuple[float, float] | None
+class Lease(NamedTuple):
+    """The beginning of a lease: when [s], for which hand, on which target."""
+
+    t: float
+    hand: str
+    target: str
+
+
+def find_leases(messages: Iterable[MessageEvidence], config: CommitmentConfig) -> list[Lease]:
+    """Return the leases that begin in a recording, as if nobody had to confirm them."""
+    config = config.model_copy(update={"needs_confirmation": False})
+    committers: dict[str, Committer] = {}
+    newest: dict[str, tuple[str, float]] = {}
+    leases = []
+    for message in messages:
+        for hand in message.rejected & committers.keys():
+            committers[hand].reject()
+        for hand, evidence in message.hands.items():
+            if hand not in committers:
+                committers[hand] = Committer(config)
+            lease = committers[hand].update(evidence)
+            if lease is None:
+                continue
+            if newest.get(hand) != (lease.target, lease.since):
+                leases.append(Lease(evidence.t, hand, lease.target))
+            newest[hand] = lease.target, lease.since
+    return leases
+
+
+def first_commitments(
+    messages: Iterable[MessageEvidence],
+    config: CommitmentConfig,
+    hand: str | None,
+    target: str | None,
+    bounds: Bounds | None,
 ) -> dict[str, Any]:
     """Return, for each reliability, when and how rightly a trial's hand was first committed for.
 
@@ -55,19 +68,25 @@ def judge_commitments(
     None without one until the end), ``commit_right`` whether it was for the target. Of a recording
     without one: ``commits``, how many leases began.
     """
+    messages = list(messages)
+    curve = [
+        find_leases(messages, config.model_copy(update={"reliability": reliability}))
+        for reliability in RELIABILITIES
+    ]
     if bounds is None:
-        return {"commits": [len(begun) for begun in curve.begun]}
+        return {"commits": [len(leases) for leases in curve]}
     onset, end = bounds
-    parts: list[float | None] = []
-    right = []
-    for begun in curve.begun:
-        first = next(((t, id) for t, by, id in begun if by == hand and t <= end), None)
-        parts.append(None if first is None else max(0.0, (first[0] - onset) / (end - onset)))
-        right.append(first is not None and first[1] == target)
-    return {"commit_part": parts, "commit_right": right}
+    firsts = [next((s for s in leases if s.hand == hand and s.t <= end), None) for leases in curve]
+    return {
+        "commit_part": [
+            None if first is None else max(0.0, (first.t - onset) / (end - onset))
+            for first in firsts
+        ],
+        "commit_right": [first is not None and first.target == target for first in firsts],
+    }
 
 
-def sum_up(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dict[str, Any]]:
+def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dict[str, Any]]:
     """Return one entry for each reliability.
 
     ``committed`` is the share of reaches with a lease before their end, ``right`` the share of
@@ -75,27 +94,23 @@ def sum_up(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dict[str, Any]]:
     the first lease, where a reach without one counts as 1; ``false_per_minute`` the leases that
     began in a minute without a reach.
     """
-    import numpy as np
-
-    has = "commit_part" in reaches and bool(reaches["commit_part"].notna().any())
-    known = reaches[reaches["commit_part"].notna()] if has else reaches[:0]
-    minutes = float(none["seconds"].sum()) / 60.0 if len(none) else 0.0
-    if not len(known) and not minutes:
+    known = reaches[reaches["commit_part"].notna()] if "commit_part" in reaches else reaches[:0]
+    part = np.array([list(row) for row in known.get("commit_part", ())], dtype=np.float64)
+    right = np.array([list(row) for row in known.get("commit_right", ())], dtype=bool)
+    minutes = float(none["seconds"].sum()) / 60.0
+    if not len(part) and not minutes:
         return []
-    rows = list(known["commit_part"]) if has else []
-    part = np.array([[np.nan if x is None else float(x) for x in row] for row in rows])
-    right = np.array([list(map(bool, row)) for row in known["commit_right"]] if has else [])
-    told = []
-    for k, reliability in enumerate(POINTS):
+    curve = []
+    for k, reliability in enumerate(RELIABILITIES):
         entry: dict[str, Any] = {"reliability": reliability}
         if len(part):
-            given = ~np.isnan(part[:, k])
+            given = ~np.isnan(part[:, k])  # where None was
             entry |= {
                 "reaches": len(part), "committed": float(given.mean()),
                 "right": float(right[given, k].mean()) if given.any() else None,
                 "mean_part": float(np.where(given, part[:, k], 1.0).mean()),
             }  # fmt: skip
-        if minutes and "commits" in none:
+        if minutes:
             entry["false_per_minute"] = sum(row[k] for row in none["commits"].dropna()) / minutes
-        told.append(entry)
-    return told
+        curve.append(entry)
+    return curve

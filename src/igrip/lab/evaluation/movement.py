@@ -1,4 +1,4 @@
-"""When a movement begins and ends, from a trace that no estimator has touched (SPEC §7)."""
+"""Onset and end of a movement, from a trace that no estimator has touched (SPEC §7)."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from scipy.signal import butter, sosfiltfilt
 Array = NDArray[np.float64]
 PART_OF_PEAK = 0.10
 OUTLIER_WINDOW = 5  # samples: up to two wrong ones in a row are no movement
+MAX_GAPS = 20.0  # times as long as its samples would last without gaps
+PADDING = 15  # samples at both ends of the filter
 CUTOFF = 6.0  # Hz of the zero-phase filter; reaching is below it (Winter 2009, Biomechanics)
 
 
 def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[float, float] | None:
-    """Return onset and end of the one movement in a trace of speeds.
+    """Return onset and end of the one movement in a trace of speeds [s].
 
     Onset: first sample before the peak that is faster than 10 % of it. End: first sample after it
-    that is slower than the least speed after it plus 10 % of what the peak exceeds that by.
+    that is slower than the lowest speed after it plus 10 % of what the peak exceeds that by.
 
     Parameters
     ----------
-    times : (n,)
-        Increasing [s].
-    speeds : (n,)
-        Of the hand [m/s].
+    times, speeds : (n,)
+        Increasing times [s], and speeds of the hand [m/s].
     noisy : bool
         Whether the trace is measured: noise at rest then passes 10 % of the peak now and again, so
         the *last* time that the speed rises above it before the peak is the onset. (Of a reach
@@ -33,17 +33,17 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
     Returns
     -------
     (float, float) or None
-        Onset and end [s]; None where the trace does not hold a peak between two slower parts.
+        None where the trace does not hold a peak between two slower parts.
     """
     if len(speeds) < 3 or not np.isfinite(speeds).all():
         return None
     peak = int(np.argmax(speeds))
     before = np.flatnonzero(speeds[:peak] > PART_OF_PEAK * speeds[peak])
     after = speeds[peak + 1 :]
-    if not len(before) or not len(after) or not speeds[peak] > 0.0:
+    if not len(before) or not len(after):
         return None
-    least = float(after.min())
-    slow = np.flatnonzero(after < least + PART_OF_PEAK * (speeds[peak] - least))
+    min_after = float(after.min())
+    slow = np.flatnonzero(after < min_after + PART_OF_PEAK * (speeds[peak] - min_after))
     if not len(slow):
         return None
     if noisy:
@@ -57,27 +57,21 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
 def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
     """Return speeds of a raw trace after a median filter and a zero-phase low-pass, on even times.
 
-    Parameters
-    ----------
-    times : (n,), positions : (n, 3)
-        Increasing times [s] and positions [m]; gaps are bridged by straight lines.
-
-    Returns
-    -------
-    times, speeds : (m,)
-        At the median rate of the trace [s, m/s]; empty where the trace is too short to filter, or
-        nearly all of its time is a gap.
+    From increasing times (n,) [s] and positions (n, 3) [m], whose gaps are bridged by straight
+    lines, to times and speeds (m,) at the median rate of the trace [s, m/s]; both are empty where
+    the trace is too short to filter, or nearly all of its time is a gap.
     """
+    nothing = np.empty(0), np.empty(0)
     if len(times) < 3:
-        return np.empty(0), np.empty(0)
+        return nothing
     step = float(np.median(np.diff(times)))
-    if not step > 0.0 or times[-1] - times[0] > 20.0 * step * len(times):
-        return np.empty(0), np.empty(0)
+    if not step > 0.0 or times[-1] - times[0] > MAX_GAPS * step * len(times):
+        return nothing
     even = times[0] + step * np.arange(int(np.floor((times[-1] - times[0]) / step + 1e-9)) + 1)
     usual = median_filter(positions, size=(OUTLIER_WINDOW, 1), mode="mirror")
     points = np.stack([np.interp(even, times, usual[:, axis]) for axis in range(3)], axis=1)
+    if len(even) <= PADDING:
+        return nothing
     sections = butter(2, min(CUTOFF, 0.45 / step), fs=1.0 / step, output="sos")
-    if len(even) <= 15:
-        return np.empty(0), np.empty(0)
-    smooth = sosfiltfilt(sections, points, axis=0, padlen=min(15, len(even) - 1))
+    smooth = sosfiltfilt(sections, points, axis=0, padlen=PADDING)
     return even, np.linalg.norm(np.gradient(smooth, step, axis=0), axis=1)

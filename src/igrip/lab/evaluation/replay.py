@@ -1,158 +1,70 @@
-"""Runs an estimator over the trials of a dataset: the same ``update`` as live."""
+"""A dataset replayed: the scores of all its trials, summed up as plain data."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from igrip.config import Config
-from igrip.errors import IgripError
-from igrip.estimator import Estimator
 from igrip.intention import Intention
-from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.io.recordings.files import open_recording
-from igrip.lab.evaluation.processes import in_processes
-from igrip.lab.evaluation.trials import TrialScore, causal_accuracy, score_trial
-from igrip.objects.catalog import Catalog, load_objects
+from igrip.io.datasets.dataset import Dataset
+from igrip.lab.evaluation.averages import average_scores
+from igrip.lab.evaluation.runner import TrialRun
+from igrip.lab.evaluation.trial_rows import Row, score_run
 
-FRACTIONS = (0.4, 0.6)
-NEVER = "none"
+FRACTIONS = ("40%", "60%")
 
 
-@dataclass(frozen=True)
-class TrialResult:
-    """What one estimator did in one trial.
+class ReplayedTrial(NamedTuple):
+    """One trial replayed."""
 
-    Attributes
-    ----------
-    targets : str
-        Name of the estimator.
-    trial : Trial
-        The row of ``trials.tsv``.
-    frames : int
-        Answers for the task's hand.
-    score : TrialScore or None
-        None where there is no target to compare with, or ``problem`` says why.
-    accurate : tuple of bool
-        Whether it was right at each of :data:`FRACTIONS` of the movement.
-    recorded : float
-        Length of the recording [s].
-    cut : str or None
-        Where the recording was cut off.
-    problem : str or None
-        What is wrong with the trial.
-    """
-
-    targets: str
-    trial: Trial
-    frames: int = 0
-    score: TrialScore | None = None
-    accurate: tuple[bool, ...] = ()
-    recorded: float = 0.0
-    cut: str | None = None
-    problem: str | None = None
+    rows: list[Row]  # one per estimator, of :func:`score_run`
+    intentions: list[list[Intention]]  # of each estimator, if asked for
+    cut: str | None  # where the recording was cut off
 
 
-def run_trial(
-    dataset: Dataset, trial: Trial, catalog: Catalog, config: Config
-) -> tuple[TrialResult, list[Intention]]:
-    """Run one estimator over one recording and score it against the row of the trial."""
-    intentions: list[Intention] = []
-    seen: set[str] = set()
-    first = last = 0.0
-    result = TrialResult(config.targets, trial)
-    try:
-        reader = open_recording(dataset.recording(trial))
-        estimator = Estimator(catalog, config)
-        for number, observation in enumerate(reader):
-            first = observation.t if number == 0 else first
-            last = observation.t
-            seen.update(observation.objects)
-            intentions += estimator.update(observation)
-    except IgripError as error:
-        return replace(result, problem=str(error)), intentions
-    own = [intention for intention in intentions if intention.hand == trial.hand]
-    result = replace(result, frames=len(own), recorded=last - first, cut=reader.cut)
-    if trial.target in (None, NEVER):
-        return result, intentions  # nothing to compare with, and nothing wrong
-    if trial.onset_s is None or trial.end_s is None:
-        return replace(result, problem="onset and end are not known"), intentions
-    if not own:
-        return replace(result, problem=f"hand {trial.hand!r} was never seen"), intentions
-    if trial.target not in seen:
-        return replace(result, problem=f"target {trial.target!r} never appears"), intentions
-    times = np.array([intention.t for intention in own])
-    correct = np.array([intention.target == trial.target for intention in own])
-    score = score_trial(times, correct, trial.onset_s, trial.end_s)
-    accurate = causal_accuracy(times, correct, trial.onset_s, trial.end_s, FRACTIONS)
-    return replace(result, score=score, accurate=tuple(accurate.tolist())), intentions
+def replay_run(run: TrialRun, keep_intentions: bool = False) -> ReplayedTrial:
+    """Return scores and, if wanted, intentions. A trial without a task is no problem here."""
+    rows = score_run(run, commitments=False)
+    if run.problem is None and (run.trial.target is None or run.trial.performed == "no"):
+        rows = [row | {"problem": None} for row in rows]
+    kept = [list(e.intentions) if keep_intentions else [] for e in run.estimators]
+    return ReplayedTrial(rows, kept, run.cut)
 
 
-@dataclass(frozen=True)
-class _Job:
-    """One trial for one process; small, since it is sent there."""
+def summarise_replay(dataset: Dataset, trials: Sequence[ReplayedTrial]) -> dict[str, Any]:
+    """Return success and accuracy of each estimator over all trials, and over each group."""
+    rows = [row for trial in trials for row in trial.rows]
+    groups = sorted({row["group"] for row in rows if row.get("group")})
+    results = []
+    for name in dict.fromkeys(row["targets"] for row in rows):
+        own = [row for row in rows if row["targets"] == name]
+        for group in ("all", *groups):
+            part = own if group == "all" else [row for row in own if row.get("group") == group]
+            results.append({"targets": name, "group": group, **_averages(part)})
+    first = [trial.rows[0] for trial in trials]
+    return {
+        "dataset": dataset.name,
+        "derived": dataset.description.get("derived"),
+        "trials": len({row["recording"] for row in first}),
+        "participants": len({row["participant"] for row in first} - {None}),
+        "results": results,
+        "problems": [
+            {key: row.get(key) for key in ("recording", "trial", "targets", "problem")}
+            for row in rows if row["problem"] is not None
+        ],
+        "remarks": [
+            {"recording": row["recording"], "remark": row["remark"]}
+            for row in first if row.get("remark")
+        ],
+        "cut": sorted({trial.cut for trial in trials if trial.cut}),
+    }  # fmt: skip
 
-    folder: Path
-    trial: Trial
-    configs: tuple[Config, ...]
-    objects: tuple[str, ...]
-    keep: bool
 
-
-_catalogs: dict[tuple[str, ...], Catalog] = {}  # one per process, since models take time to read
-_datasets: dict[Path, Dataset] = {}
-
-
-def _run_job(job: _Job) -> list[tuple[TrialResult, list[Intention]]]:
-    if job.objects not in _catalogs:
-        _catalogs[job.objects] = load_objects(*job.objects)
-    if job.folder not in _datasets:
-        _datasets[job.folder] = Dataset.open(job.folder)
-    done = []
-    for config in job.configs:
-        result, intentions = run_trial(
-            _datasets[job.folder], job.trial, _catalogs[job.objects], config
-        )
-        done.append((result, intentions if job.keep else []))
-    return done
-
-
-def run_dataset(
-    dataset: Dataset,
-    configs: Sequence[Config],
-    jobs: int = 1,
-    trials: Sequence[Trial] | None = None,
-    objects: Sequence[str] = (),
-    keep_intentions: bool = False,
-) -> Iterator[list[tuple[TrialResult, list[Intention]]]]:
-    """Run estimators over the trials of a dataset, in parallel processes, in order.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        What to run over.
-    configs : sequence of Config
-        One per estimator.
-    jobs : int
-        Number of processes.
-    trials : sequence of Trial, optional
-        Some of the dataset's trials; by default all.
-    objects : sequence of str, optional
-        Sources of objects in place of the dataset's own.
-    keep_intentions : bool
-        Whether the intentions are wanted as well.
-
-    Yields
-    ------
-    list of (TrialResult, list of Intention)
-        For each trial, one entry per estimator.
-    """
-    sources = tuple(objects) or dataset.objects
-    work = [
-        _Job(dataset.path, trial, tuple(configs), sources, keep_intentions)
-        for trial in (dataset.trials if trials is None else trials)
-    ]
-    yield from in_processes(_run_job, work, jobs)
+def _averages(rows: Sequence[Row]) -> dict[str, Any]:
+    reaches = [row for row in rows if "success" in row]
+    if not reaches:
+        return {"trials": 0}
+    averages = average_scores({key: [row[key] for row in reaches] for key in reaches[0]})
+    accuracy = averages.pop("accuracy")
+    result = {"trials": len(reaches), "success": averages["success"]}
+    return result | {f"accuracy_{part}": accuracy[part] for part in FRACTIONS} | averages

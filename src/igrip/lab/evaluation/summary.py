@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from igrip.lab.evaluation import commitments
-from igrip.lab.evaluation.calibration import BINS, interval_over_groups
-from igrip.lab.evaluation.trial_metrics import FRACTIONS, NO_REACH
+from igrip.lab.evaluation.averages import TIMES, average_scores, mean, numbers
+from igrip.lab.evaluation.calibration import ReliabilityBins, interval_over_groups
+from igrip.lab.evaluation.commitments import summarise_commitments
+from igrip.lab.evaluation.trial_description import NO_REACH
 
 CONDITIONS = ("view", "movement", "grip", "hand", "target", "group", "participant")
 COLUMNS = (
     "recording", "participant", "targets", "target", "problem", "remark", "valid", "group", "view",
     "movement", "grip", "hand", "success", "seconds", "messages", "observed", "objects",
-    "both_seen_0.3s_before_end", "bounds",
+    "both_seen_0.3s_before_end", "bounds", "invalid_reason", "movement_s",
 )  # fmt: skip
 MIN_PEOPLE = 5  # below it an interval over participants says nothing
 ANGLES = (0.0, 10.0, 20.0, 40.0, 180.0)  # edges of the bins of the angular gap [deg]
@@ -37,163 +38,151 @@ def frame_of(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 def summarise(frame: pd.DataFrame, name: str, targets: Sequence[str]) -> dict[str, Any]:
     """Sum up an evaluation; the keys are documented in ``docs/evaluation.md``.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        As :func:`frame_of` returns it.
-    name : str
-        Name of the dataset.
-    targets : sequence of str
-        The estimators, in the order of the report.
+    ``frame`` is that of :func:`frame_of`, ``name`` the dataset's, and ``targets`` are the
+    estimators in the order of the report.
     """
-    one = frame[frame["targets"] == targets[0]]  # what does not hang on the estimator
+    one = frame[frame["targets"] == targets[0]]  # for what does not depend on the estimator
     broken = one[one["problem"].notna()]
-    none = one[(one["target"] == NO_REACH) & one["problem"].isna()]
-    reaches = one[(one["target"] != NO_REACH) & one["problem"].isna()]
-    valid = reaches[reaches["valid"] == True]  # noqa: E712 - the column may hold None
+    reaches, none = reaches_of(one), _without_reach(one)
+    valid = valid_of(reaches)
     return {
         "schema": "igrip-summary/1",
         "dataset": name,
         "recordings": len(one),
-        "excluded": [
-            {"recording": r.recording, "participant": r.participant, "problem": r.problem}
-            for r in broken.itertuples()
-        ],
-        "remarks": [
-            {"recording": r.recording, "remark": r.remark}
-            for r in one[one["remark"].notna()].itertuples()
-        ],
+        "excluded": broken[["recording", "participant", "problem"]].to_dict("records"),
+        "remarks": one[one["remark"].notna()][["recording", "remark"]].to_dict("records"),
         "reaches": len(reaches),
         "valid": len(valid),
-        "valid_share": len(valid) / len(reaches) if len(reaches) else None,
-        "invalid_reasons": _count(reaches, "invalid_reason"),
-        "observed_share": _part(
+        "valid_share": _share(len(valid), len(reaches)),
+        "invalid_reasons": reaches["invalid_reason"].value_counts().to_dict(),
+        "observed_share": _share(
             (reaches["observed"] * reaches["messages"]).sum(), reaches["messages"].sum()
         ),
         "bounds_from_trace": int((reaches["bounds"] == "trace").sum()),
-        "movement_s": _mean(reaches.get("movement_s")),
-        "no_reach_minutes": float(none["seconds"].sum()) / 60.0 if len(none) else 0.0,
-        "targets": {
-            target: _estimator(frame[(frame["targets"] == target) & frame["problem"].isna()])
-            for target in targets
-        },
+        "movement_s": mean(reaches["movement_s"]),
+        "no_reach_minutes": _minutes(none),
+        "targets": {target: _estimator(frame[frame["targets"] == target]) for target in targets},
     }
 
 
+def reaches_of(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the reaches that could be scored."""
+    return rows[(rows["target"] != NO_REACH) & rows["problem"].isna()]
+
+
+def valid_of(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the valid trials."""
+    return rows[rows["valid"].eq(True)]
+
+
+def _without_reach(rows: pd.DataFrame) -> pd.DataFrame:
+    return rows[(rows["target"] == NO_REACH) & rows["problem"].isna()]
+
+
 def _estimator(rows: pd.DataFrame) -> dict[str, Any]:
-    reaches, none = rows[rows["target"] != NO_REACH], rows[rows["target"] == NO_REACH]
-    valid = reaches[reaches["valid"] == True]  # noqa: E712
-    in_time = reaches[reaches["both_seen_0.3s_before_end"] == True]  # noqa: E712
+    reaches, none = reaches_of(rows), _without_reach(rows)
+    valid = valid_of(reaches)
+    groups = reaches[reaches["group"].notna()].groupby("group")
     return {
         "valid": scores(valid),
         "all": scores(reaches),
-        "seen_in_time": scores(in_time),
-        "by": {c: _by(valid, c) for c in CONDITIONS if valid[c].notna().any()}
-        if len(valid)
-        else {},
-        "by_objects": _by(valid, "objects") if len(valid) else {},
+        "seen_in_time": scores(reaches[reaches["both_seen_0.3s_before_end"].eq(True)]),
+        "by": {c: _by(valid, c) for c in CONDITIONS if valid[c].notna().any()},
+        "by_objects": _by(valid, "objects"),
         "by_angular_gap_deg": _binned(valid, "angular_gap_deg", ANGLES),
         "by_depth_gap_m": _binned(valid, "depth_gap_m", DEPTHS),
         "participants": _over_participants(valid),
         "no_reach": _no_reach(none),
         "calibration": _calibration(reaches),
-        "commitment": _commitment(reaches, none),
+        "commitment": {
+            "all": summarise_commitments(reaches, none),
+            "valid": summarise_commitments(valid, none),
+            **{f"group {name}": summarise_commitments(part, none) for name, part in groups},
+        },
     }
 
 
 def scores(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the paper's numbers and causal accuracy over some trials, with intervals."""
     result: dict[str, Any] = {"trials": len(rows)} | dict.fromkeys(
-        ("frames", "success", "success_interval", "delay_s", "delay_clipped_s", "margin_s")
+        ("frames", "success", "success_interval", *TIMES)
     )
     if not len(rows) or "frames_possible" not in rows:
         return result
-    result["frames"] = _part(rows["frames_right"].sum(), rows["frames_possible"].sum())
+    result["frames"] = _share(rows["frames_right"].sum(), rows["frames_possible"].sum())
     if "grip_frames_right" in rows:
-        asked = rows[rows["grip_frames_right"].notna()]
-        part = _part(asked["grip_frames_right"].sum(), asked["frames_possible"].sum())
-        result["grip_frames"] = part
+        graded = rows[rows["grip_frames_right"].notna()]
+        result["grip_frames"] = _share(
+            graded["grip_frames_right"].sum(), graded["frames_possible"].sum()
+        )
     for prefix in ("", "grip_"):
         if f"{prefix}success" not in rows or rows[f"{prefix}success"].isna().all():
             continue
-        success = rows[f"{prefix}success"].astype(float)
-        result[f"{prefix}success"] = float(success.mean())
-        result[f"{prefix}success_interval"] = _interval(rows, success)
-        right = rows[success == 1.0]
-        for column in ("delay_s", "delay_clipped_s", "margin_s"):
-            result[f"{prefix}{column}"] = _mean(right[f"{prefix}{column}"])
-        result[f"{prefix}accuracy"] = {
-            f"{f:.0%}": float(rows[f"{prefix}right_at_{f:.0%}"].astype(float).mean())
-            for f in FRACTIONS
-        }
+        averages = average_scores(rows, prefix)
+        accuracy = averages.pop("accuracy")
+        result |= {f"{prefix}{key}": value for key, value in averages.items()}
+        result[f"{prefix}success_interval"] = _interval(rows, f"{prefix}success")
+        result[f"{prefix}accuracy"] = accuracy
         result[f"{prefix}accuracy_interval"] = {
-            f"{f:.0%}": _interval(rows, rows[f"{prefix}right_at_{f:.0%}"].astype(float))
-            for f in FRACTIONS
+            part: _interval(rows, f"{prefix}right_at_{part}") for part in accuracy
         }
     return result
 
 
 def _by(rows: pd.DataFrame, column: str) -> dict[str, Any]:
     known = rows[rows[column].notna()]
-    return {str(value): _short(part) for value, part in known.groupby(column, sort=True)}
+    return {str(value): _short(part) for value, part in known.groupby(column)}
 
 
 def _short(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the few numbers that are compared between conditions."""
-    told = {"trials": len(rows), "success": _mean(rows["success"].astype(float))}
+    averages = average_scores(rows)
+    short = {"trials": len(rows), "success": averages["success"]}
     if "grip_success" in rows and rows["grip_success"].notna().any():
-        told["grip_success"] = _mean(rows["grip_success"].astype(float))
-    for f in (0.4, 0.6):
-        told[f"accuracy_{f:.0%}"] = _mean(rows[f"right_at_{f:.0%}"].astype(float))
-    return told
+        short["grip_success"] = mean(rows["grip_success"])
+    return short | {f"accuracy_{part}": averages["accuracy"][part] for part in ("40%", "60%")}
 
 
 def _binned(rows: pd.DataFrame, column: str, edges: Sequence[float]) -> dict[str, Any]:
-    if column not in rows or not len(rows):
+    if column not in rows:
         return {}
-    told = {}
-    values = pd.to_numeric(rows[column], errors="coerce")
-    for low, high in pairwise(edges):
-        part = rows[(values >= low) & (values < high)]
-        if len(part):
-            told[f"{low:g} to {high:g}"] = _short(part)
-    return told
+    values = numbers(rows[column])
+    bins = {
+        f"{low:g} to {high:g}": rows[(values >= low) & (values < high)]
+        for low, high in pairwise(edges)
+    }
+    return {name: _short(part) for name, part in bins.items() if len(part)}
 
 
 def _over_participants(rows: pd.DataFrame) -> dict[str, Any]:
     """Return mean and sd over the participants' own means, as the paper gives them."""
-    told: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for column in ("success", "grip_success"):
-        if column not in rows or rows[column].isna().all() or not len(rows):
+        if column not in rows or rows[column].isna().all():
             continue
         means = rows[column].astype(float).groupby(rows["participant"]).mean()
         sd = float(means.std(ddof=1)) if len(means) > 1 else None
-        told[column] = {"mean": float(means.mean()), "sd": sd, "participants": len(means)}
-    return told
+        result[column] = {"mean": float(means.mean()), "sd": sd, "participants": len(means)}
+    return result
 
 
 def _no_reach(rows: pd.DataFrame) -> dict[str, Any]:
     if not len(rows) or "named" not in rows:
         return {}
-    told: dict[str, Any] = {
-        "minutes": float(rows["seconds"].sum()) / 60.0,
-        "answers": int(rows["answers"].sum()),
-        "target_named": _part(rows["named"].sum(), rows["answers"].sum()),
-        "target_named_while_moving": _part(rows["named_reaching"].sum(), rows["reaching"].sum()),
+    total = rows[
+        ["answers", "named", "reaching", "named_reaching", "with_probability", "none_most_probable"]
+    ].sum()
+    result: dict[str, Any] = {
+        "minutes": _minutes(rows),
+        "answers": int(total["answers"]),
+        "target_named": _share(total["named"], total["answers"]),
+        "target_named_while_moving": _share(total["named_reaching"], total["reaching"]),
     }
-    if rows["with_probability"].sum():
-        told["none_most_probable"] = _part(
-            rows["none_most_probable"].sum(), rows["with_probability"].sum()
+    if total["with_probability"]:
+        result["none_most_probable"] = _share(
+            total["none_most_probable"], total["with_probability"]
         )
-    return told
-
-
-def _commitment(reaches: pd.DataFrame, none: pd.DataFrame) -> dict[str, Any]:
-    """Return the curve over all reaches, over the valid ones, and over each group of them."""
-    valid = reaches[reaches["valid"] == True]  # noqa: E712
-    told = {"all": commitments.sum_up(reaches, none), "valid": commitments.sum_up(valid, none)}
-    groups = reaches[reaches["group"].notna()].groupby("group", sort=True)
-    return told | {f"group {g}": commitments.sum_up(rows, none) for g, rows in groups}
+    return result
 
 
 def _calibration(rows: pd.DataFrame) -> dict[str, Any] | None:
@@ -201,41 +190,30 @@ def _calibration(rows: pd.DataFrame) -> dict[str, Any] | None:
     if "calibration_n" not in rows or rows["calibration_n"].isna().all():
         return None
     known = rows[rows["calibration_n"].notna()]
-    n, stated, right = (
-        np.sum(np.stack([np.asarray(v, dtype=float) for v in known[f"calibration_{what}"]]), axis=0)
-        for what in ("n", "stated", "right")
-    )
+    bins = ReliabilityBins(
+        *(np.sum(np.stack(list(known[f"calibration_{sums}"])), axis=0)
+          for sums in ("n", "stated", "right"))
+    )  # fmt: skip
     return {
-        "ece": float(np.abs(stated - right).sum() / n.sum()),
+        "ece": bins.calibration_error(),
         "brier": float(known["brier_sum"].sum() / known["brier_n"].sum()),
-        "answers": int(n.sum()),
+        "answers": int(bins.answers.sum()),
         "bins": [
-            {"stated": stated[b] / n[b], "right": right[b] / n[b], "answers": int(n[b])}
-            for b in range(BINS) if n[b]
+            {"stated": stated / n, "right": correct / n, "answers": int(n)}
+            for n, stated, correct in zip(*bins, strict=True) if n
         ],
     }  # fmt: skip
 
 
-def _interval(rows: pd.DataFrame, values: pd.Series) -> list[float] | None:
-    groups = rows["participant"].astype("category").cat.codes.to_numpy().astype(np.int64)
-    if len(np.unique(groups)) < MIN_PEOPLE:
+def _interval(rows: pd.DataFrame, column: str) -> list[float] | None:
+    if rows["participant"].nunique() < MIN_PEOPLE:
         return None
-    low, high = interval_over_groups(values.to_numpy(float), groups)
-    return None if np.isnan(low) else [low, high]
+    return list(interval_over_groups(rows[column], rows["participant"]))
 
 
-def _mean(values: pd.Series | None) -> float | None:
-    if values is None:
-        return None
-    known = pd.to_numeric(values, errors="coerce").dropna()
-    return float(known.mean()) if len(known) else None
+def _minutes(rows: pd.DataFrame) -> float:
+    return float(rows["seconds"].sum()) / 60.0
 
 
-def _part(some: float, of: float) -> float | None:
-    return float(some) / float(of) if of else None
-
-
-def _count(rows: pd.DataFrame, column: str) -> dict[str, int]:
-    if column not in rows:
-        return {}
-    return {str(k): int(v) for k, v in rows[column].dropna().value_counts().items()}
+def _share(part: float, whole: float) -> float | None:
+    return float(part) / float(whole) if whole else None

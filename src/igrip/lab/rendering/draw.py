@@ -11,7 +11,7 @@ from igrip.mesh.ray import cast_ray
 
 @kernel
 def draw_mesh(
-    boxes, links, leaves, mesh_from_camera, sphere, pinhole, label, depth, labels
+    boxes, links, leaves, mesh_from_camera, sphere, intrinsics, label, depth, labels
 ):  # fmt: skip
     """Draw one mesh into a depth picture, nearer than what is there already.
 
@@ -23,28 +23,25 @@ def draw_mesh(
         Pose of the camera in the frame of the mesh.
     sphere : (4,)
         Centre, in the camera's frame, and radius of a sphere round the mesh [m].
-    pinhole : (4,)
-        fx, fy, cx, cy [pixels].
     label : int
-        Written where the mesh is seen.
+        Written to ``labels`` (h, w) where the mesh is seen.
     depth : (h, w) float64, written
         Along the optical axis [m]; infinity for nothing.
-    labels : (h, w) int32, written
     """
     height, width = depth.shape
-    fx, fy, cx, cy = pinhole[0], pinhole[1], pinhole[2], pinhole[3]
+    _, _, fx, fy, cx, cy = intrinsics
     x, y, z, radius = sphere[0], sphere[1], sphere[2], sphere[3]
     nearest = z - radius
     if z + radius <= 0.0:
         return
     left, right, top, bottom = 0, width, 0, height
     if nearest > 0.05:  # closer by, the sphere may fill the picture
-        least, most = x - radius, x + radius
-        left = max(left, int(np.floor(fx * min(least / nearest, least / z) + cx)))
-        right = min(right, int(np.ceil(fx * max(most / nearest, most / z) + cx)) + 1)
-        least, most = y - radius, y + radius
-        top = max(top, int(np.floor(fy * min(least / nearest, least / z) + cy)))
-        bottom = min(bottom, int(np.ceil(fy * max(most / nearest, most / z) + cy)) + 1)
+        low, high = x - radius, x + radius
+        left = max(left, int(np.floor(fx * min(low / nearest, low / z) + cx)))
+        right = min(right, int(np.ceil(fx * max(high / nearest, high / z) + cx)) + 1)
+        low, high = y - radius, y + radius
+        top = max(top, int(np.floor(fy * min(low / nearest, low / z) + cy)))
+        bottom = min(bottom, int(np.ceil(fy * max(high / nearest, high / z) + cy)) + 1)
     stack = np.empty(STACK, dtype=np.int32)
     counters = np.zeros(1, dtype=np.int64)
     px, py, pz = mesh_from_camera[0, 3], mesh_from_camera[1, 3], mesh_from_camera[2, 3]

@@ -6,17 +6,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.lab.rendering.layout import PlacedMesh, look_at
 from igrip.lab.rendering.scene import OAK, RenderedScene
-from igrip.lab.simulation.cohort import SIDES, Performance, Task, models_by_id, object_ids, perform
+from igrip.lab.simulation.cohort import SIDES, PerformedTask, TrialTask, perform
 from igrip.lab.simulation.movement import draw_habits
-from igrip.lab.simulation.parameters import Cohort, cohort
+from igrip.lab.simulation.parameters import CohortParameters, cohort_parameters
+from igrip.lab.simulation.table import models_by_id, object_ids
 from igrip.objects.catalog import PAPER_OBJECTS, Catalog
-from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
-Array = NDArray[np.float64]
 MIDDLE = np.array([0.0, 0.30, 0.0])  # of the protocol's table; the rendered world begins there [m]
 LOOKS_AT = np.array([0.0, -0.02, 0.06])  # guess [m]
 CAMERA = np.array([0.0, 0.60, 0.62])  # across the table from the person, guess [m]
@@ -29,40 +28,15 @@ with it."""
 
 @dataclass(frozen=True, eq=False)
 class FilmedReach:
-    """One trial before a camera.
+    """One trial before a camera."""
 
-    Attributes
-    ----------
-    task : Task
-        What the person does; models are the objects' ids.
-    done : Performance
-        What truly happens, in the protocol's world; that of the frames begins at :data:`MIDDLE`.
-    scene : RenderedScene
-        The table, and where the camera stands.
-    seed : int
-        Of the camera's noise.
-    """
-
-    task: Task
-    done: Performance
-    scene: RenderedScene
-    seed: int
+    task: TrialTask  # models are the objects' ids
+    done: PerformedTask  # in the protocol's world; that of the frames begins at MIDDLE
+    scene: RenderedScene  # the table, and where the camera stands
+    seed: int  # of the camera's noise
 
     def frames(self, put_hand: PutHand, begin: float = 0.0) -> Iterator[RgbdFrame]:
-        """Render the trial.
-
-        Parameters
-        ----------
-        put_hand : function
-            See :data:`PutHand`; called for the hand that reaches.
-        begin : float
-            Time of the first frame [s].
-
-        Yields
-        ------
-        RgbdFrame
-            At the times of the performance.
-        """
+        """Render the trial from a time on [s]; ``put_hand`` is called for the hand that reaches."""
         random = np.random.default_rng(self.seed)
         for t, palm in zip(self.done.times.tolist(), self.palms(), strict=True):
             yield put_hand(self.scene.frame(begin + t, random), self.task.hand, palm)
@@ -76,27 +50,19 @@ class FilmedReach:
 
 
 def film_reach(
-    catalog: Catalog, seed: int, world: Cohort | None = None, intrinsics: Intrinsics = OAK
+    catalog: Catalog, seed: int, world: CohortParameters | None = None, intrinsics: Intrinsics = OAK
 ) -> FilmedReach:
     """Let a simulated person do one trial of the paper's protocol, before a camera.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        Must hold the paper's objects.
-    seed : int
-        Another seed, another person, table, task and camera.
-    world : Cohort, optional
-        Of people and protocol; healthy by default.
-    intrinsics : Intrinsics
-        Of the camera.
+    The catalog must hold the paper's objects. Another seed is another person, table, task and
+    camera; ``world`` holds people and protocol, healthy by default.
     """
     random = np.random.default_rng(seed)
-    world = world or cohort("healthy")
+    world = world or cohort_parameters("healthy")
     ids = object_ids()
     names = PAPER_OBJECTS
     models = models_by_id(catalog)
-    task = Task(
+    task = TrialTask(
         hand=SIDES[int(random.integers(2))], target=ids[int(random.integers(len(ids)))],
         grip=("palmar", "pinch")[int(random.integers(2))], movement="executed",
     )  # fmt: skip
@@ -108,5 +74,5 @@ def film_reach(
         objects[name] = PlacedMesh(model, pose)
     camera = look_at(CAMERA + random.normal(0.0, SPREAD), LOOKS_AT)
     scene = RenderedScene(objects, camera, intrinsics)
-    named = Task(task.hand, names[ids.index(task.target)], task.grip, task.movement)
+    named = TrialTask(task.hand, names[ids.index(task.target)], task.grip, task.movement)
     return FilmedReach(named, done, scene, int(random.integers(2**31)))

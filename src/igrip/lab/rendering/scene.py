@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.lab.rendering.draw import draw_mesh
-from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh, looking_camera, strew
+from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh, random_camera, scatter
 from igrip.lab.rendering.stereo import StereoNoise, measured_depth
 from igrip.objects.catalog import Catalog
-from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 OAK = Intrinsics(640, 400, 493.0, 493.0, 319.5, 199.5)
 """An OAK-D S2's colour camera, 66° wide (Luxonis datasheet), at 640 x 400."""
@@ -37,49 +35,18 @@ class RenderConfig(Settings):
 
 
 @dataclass(frozen=True, eq=False)
-class Overlay:
-    """A picture with depth, put into a rendered one where it is nearer: a hand, for one.
-
-    Attributes
-    ----------
-    colour : (h, w, 3) uint8
-    mask : (h, w) bool
-        Where there is anything.
-    depth : (h, w)
-        Along the optical axis [m].
-    x, y : int
-        Where its top-left pixel goes; it may stick out of the picture.
-    """
-
-    colour: NDArray[np.uint8]
-    mask: NDArray[np.bool_]
-    depth: Array
-    x: int
-    y: int
-
-
-@dataclass(frozen=True, eq=False)
 class RenderedScene:
-    """Objects on the table z = 0 of the world (z up), and a camera.
+    """Objects on the table z = 0 of the world (z up), and a camera."""
 
-    Attributes
-    ----------
-    objects : dict of str to PlacedMesh
-        By id.
-    world_from_camera : (4, 4)
-    intrinsics : Intrinsics
-    config : RenderConfig
-    """
-
-    objects: dict[str, PlacedMesh]
-    world_from_camera: Array
+    objects: dict[str, PlacedMesh]  # by id
+    world_from_camera: Array  # (4, 4)
     intrinsics: Intrinsics = OAK
     config: RenderConfig = field(default_factory=RenderConfig)
 
     def truth(self) -> tuple[Array, NDArray[np.int32]]:
-        """Return the true depth (h, w) [m], infinity for nothing, and what is seen, (h, w).
+        """Return the true depth (h, w) [m], infinity for nothing, and labels, (h, w).
 
-        What is seen: the number of the object in their order, -1 table, -2 floor, -3 nothing.
+        A label is the number of the object in their order, -1 table, -2 floor, -3 nothing.
         """
         depth, labels = self._drawn
         return depth.copy(), labels.copy()
@@ -90,7 +57,6 @@ class RenderedScene:
         depth, labels = np.full(shape, np.inf), np.full(shape, NOTHING, dtype=np.int32)
         self._draw_plane(depth, labels, -self.config.table_height, FLOOR_LABEL)
         self._draw_plane(depth, labels, 0.0, TABLE)
-        pinhole = np.array(self.intrinsics[2:])
         camera_from_world = np.linalg.inv(self.world_from_camera)
         for number, placed in enumerate(self.objects.values()):
             camera_from_mesh = camera_from_world @ placed.pose
@@ -98,46 +64,33 @@ class RenderedScene:
             sphere[:3] = camera_from_mesh[:3, :3] @ sphere[:3] + camera_from_mesh[:3, 3]
             bvh = placed.model.bvh
             draw_mesh(
-                bvh.boxes, bvh.links, bvh.leaves, np.linalg.inv(camera_from_mesh), sphere, pinhole,
-                number, depth, labels,
+                bvh.boxes, bvh.links, bvh.leaves, np.linalg.inv(camera_from_mesh), sphere,
+                self.intrinsics, number, depth, labels,
             )  # fmt: skip
         return depth, labels
 
-    def frame(
-        self,
-        t: float,
-        random: np.random.Generator,
-        overlays: Sequence[Overlay] = (),
-        camera: str = "rendered",
-    ) -> RgbdFrame:
-        """Render what the camera sees.
+    def picture(self) -> tuple[Array, Array, Array]:
+        """Return what is there, without noise.
 
-        Parameters
-        ----------
-        t : float
-            Time of exposure [s].
-        random : numpy.random.Generator
-            Of the noise.
-        overlays : sequence of Overlay
-            What else there is.
-        camera : str
-            Name of the camera.
+        Colour (h, w, 3), depth (h, w) [m], and the cosine between surface and line of sight (h, w).
         """
         depth, labels = self.truth()
-        normals = _normals(depth, self.intrinsics)
         rays = _rays(self.intrinsics)
-        cosine = np.abs((normals * rays).sum(axis=2)) / np.linalg.norm(rays, axis=2)
-        colour = self._colour(labels, cosine)
-        for overlay in overlays:
-            _put(overlay, colour, depth, cosine)
+        slant = (_normals(depth, self.intrinsics) * rays).sum(axis=2)
+        cosine = np.abs(slant) / np.linalg.norm(rays, axis=2)
+        return self._colour(labels, cosine), depth, cosine
+
+    def frame(self, t: float, random: np.random.Generator) -> RgbdFrame:
+        """Render what the camera sees at a time of exposure [s]."""
+        colour, depth, cosine = self.picture()
         noisy = colour + self.config.sd_colour * random.standard_normal(colour.shape)
         if self.config.noise is None:
             measured = np.where(np.isfinite(depth), depth, 0.0).astype(np.float32)
         else:
             measured = measured_depth(depth, cosine, self.intrinsics.fx, self.config.noise, random)
         return RgbdFrame(
-            t, np.clip(noisy, 0, 255).astype(np.uint8), measured, self.intrinsics, camera,
-            self.world_from_camera,
+            t, np.clip(noisy, 0, 255).astype(np.uint8), measured, self.intrinsics,
+            "rendered", self.world_from_camera,
         )  # fmt: skip
 
     def _draw_plane(
@@ -149,11 +102,11 @@ class RenderedScene:
         with np.errstate(divide="ignore", invalid="ignore"):
             z = (height - pose[2, 3]) / rays[..., 2]
             at = pose[:3, 3] + z[..., None] * rays
-        seen = np.isfinite(z) & (z > 0.0) & (z < depth)
+        visible = np.isfinite(z) & (z > 0.0) & (z < depth)
         if label == TABLE:
-            seen &= np.abs(at[..., 0]) <= 0.5 * self.config.table_width
-            seen &= np.abs(at[..., 1]) <= 0.5 * self.config.table_depth
-        depth[seen], labels[seen] = z[seen], label
+            visible &= np.abs(at[..., 0]) <= 0.5 * self.config.table_width
+            visible &= np.abs(at[..., 1]) <= 0.5 * self.config.table_depth
+        depth[visible], labels[visible] = z[visible], label
 
     def _colour(self, labels: NDArray[np.int32], cosine: Array) -> Array:
         palette = [colour_of(placed.model.name) for placed in self.objects.values()]
@@ -163,7 +116,7 @@ class RenderedScene:
         return result
 
 
-def strewn_scene(
+def random_scene(
     catalog: Catalog,
     names: Sequence[str],
     random: np.random.Generator,
@@ -171,13 +124,13 @@ def strewn_scene(
     config: RenderConfig | None = None,
     intrinsics: Intrinsics = OAK,
 ) -> RenderedScene:
-    """Return a scene of these models, strewn over the table, and a camera at a random place.
+    """Return a scene of these models, scattered over the table, and a camera at a random place.
 
     Ids are the names of the models. For the other parameters see the classes they belong to.
     """
     layout = layout or LayoutConfig()
-    placed = strew([catalog[name] for name in names], layout, random)
-    camera = looking_camera(layout, random)
+    placed = scatter([catalog[name] for name in names], layout, random)
+    camera = random_camera(layout, random)
     objects = dict(zip(names, placed, strict=True))
     return RenderedScene(objects, camera, intrinsics, config or RenderConfig())
 
@@ -206,19 +159,3 @@ def _normals(depth: Array, intrinsics: Intrinsics) -> Array:
     length = np.linalg.norm(normals, axis=2, keepdims=True)
     result: Array = normals / np.maximum(length, 1e-12)
     return result
-
-
-def _put(overlay: Overlay, colour: Array, depth: Array, cosine: Array) -> None:
-    """Put an overlay where it is nearer than what is there."""
-    height, width = depth.shape
-    h, w = overlay.mask.shape
-    top, left = max(0, overlay.y), max(0, overlay.x)
-    bottom, right = min(height, overlay.y + h), min(width, overlay.x + w)
-    if top >= bottom or left >= right:
-        return
-    into = np.s_[top:bottom, left:right]
-    of = np.s_[top - overlay.y : bottom - overlay.y, left - overlay.x : right - overlay.x]
-    nearer = overlay.mask[of] & (overlay.depth[of] < depth[into])
-    colour[into][nearer] = overlay.colour[of][nearer]
-    depth[into][nearer] = overlay.depth[of][nearer]
-    cosine[into][nearer] = 1.0

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
+from igrip.rgbd import Array
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 
 class StereoNoise(Settings):
@@ -36,17 +35,18 @@ class StereoNoise(Settings):
     )
     holes: float = quantity(0.01, "1", "share of pixels without depth, in spots", "guess", ge=0)
     spot: float = quantity(2.0, "pixels", "size of a spot without depth", "guess", gt=0)
-    grazing: float = quantity(
-        0.15, "1", "surfaces seen at a lesser cosine give no depth", "guess", ge=0, lt=1
-    )
-    nearest: float = quantity(0.2, "m", "nothing nearer has a depth", "OAK-D S2 datasheet", ge=0)
-    farthest: float = quantity(8.0, "m", "nothing farther has one", "guess", gt=0)
+    min_cosine: float = quantity(
+        0.15, "1", "between surface and line of sight; at less no depth is measured", "guess", ge=0,
+        lt=1,
+    )  # fmt: skip
+    min_depth: float = quantity(0.2, "m", "that is measured", "OAK-D S2 datasheet", ge=0)
+    max_depth: float = quantity(8.0, "m", "that is measured", "guess", gt=0)
 
 
 def measured_depth(
     depth: Array, cosine: Array, fx: float, noise: StereoNoise, random: np.random.Generator
 ) -> NDArray[np.float32]:
-    """Return what the camera measures.
+    """Return the depth that the camera measures, (h, w) [m]; 0 where there is none.
 
     Parameters
     ----------
@@ -56,15 +56,6 @@ def measured_depth(
         Between surface and line of sight; 1 for a surface that faces the camera.
     fx : float
         Focal length [pixels].
-    noise : StereoNoise
-        Its errors.
-    random : numpy.random.Generator
-        Where they come from.
-
-    Returns
-    -------
-    (h, w) float32
-        Depth [m]; 0 where there is none.
     """
     scale = fx * noise.baseline
     with np.errstate(divide="ignore"):
@@ -79,22 +70,22 @@ def measured_depth(
     if noise.step > 0.0:
         disparity = noise.step * np.round(disparity / noise.step)
     spots = _smooth(random, depth.shape, noise.spot)
-    lost = hidden | (cosine < noise.grazing)
+    lost = hidden | (cosine < noise.min_cosine)
     if noise.holes > 0.0:
         lost |= spots > np.quantile(spots, 1.0 - min(noise.holes, 1.0))
     with np.errstate(divide="ignore"):
         result = np.where(disparity > 0.0, scale / disparity, 0.0)
-    lost |= (result < noise.nearest) | (result > noise.farthest)
+    lost |= (result < noise.min_depth) | (result > noise.max_depth)
     return np.where(lost, 0.0, result).astype(np.float32)
 
 
 def occluded(disparity: Array) -> NDArray[np.bool_]:
     """Where the second camera, to the right, sees something nearer instead; shape (h, w)."""
     columns = np.arange(disparity.shape[1], dtype=np.float64)
-    seen = columns - disparity  # the column in the other picture
-    nearest = np.minimum.accumulate(seen[:, ::-1], axis=1)[:, ::-1]  # of all at the right of it
+    other = columns - disparity  # the column in the other picture
+    nearest = np.minimum.accumulate(other[:, ::-1], axis=1)[:, ::-1]  # of all at the right of it
     result = np.zeros(disparity.shape, dtype=np.bool_)
-    result[:, :-1] = seen[:, :-1] > nearest[:, 1:] + 0.5
+    result[:, :-1] = other[:, :-1] > nearest[:, 1:] + 0.5
     return result
 
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from igrip.lab.evaluation.trial_metrics import FRACTIONS, NO_REACH
+from igrip.lab.evaluation.summary import reaches_of, valid_of
+from igrip.lab.evaluation.trial_metrics import FRACTIONS
 from igrip.lab.report.matplotlib_figure import new_figure
 
 SPLITS = (
@@ -22,13 +23,10 @@ COLOURS = ("#2ca02c", "#2e78c2", "#e88c2e", "#b03a9c", "#7a6a3a", "#d04040", "#3
 def draw_participants(rows: pd.DataFrame) -> Any:
     """Draw shares of valid trials, of targets and of grips found, for each participant.
 
-    Parameters
-    ----------
-    rows : DataFrame
-        Rows of one estimator; reaches that could be judged.
+    ``rows`` are those of one estimator.
     """
-    reaches = rows[(rows["target"] != NO_REACH) & rows["problem"].isna()]
-    valid = reaches[reaches["valid"] == True]  # noqa: E712 - the column may hold None
+    reaches = reaches_of(rows)
+    valid = valid_of(reaches)
     people = sorted(reaches["participant"].dropna().unique())
     figure = new_figure(10.0, 6.5, "the report")
     panels = figure.subplots(3, len(SPLITS), sharex=True, sharey=True)
@@ -65,8 +63,8 @@ def draw_accuracy(summary: Mapping[str, Any]) -> Any:
     figure = new_figure(9.0, 4.2, "the report")
     panels = figure.subplots(1, 2, sharey=True)
     for panel, which in zip(panels, ("valid", "all"), strict=True):
-        for colour, (name, told) in zip(COLOURS * 4, summary["targets"].items(), strict=False):
-            scores = told[which]
+        for colour, (name, results) in zip(COLOURS * 4, summary["targets"].items(), strict=False):
+            scores = results[which]
             if "accuracy" not in scores:
                 continue
             at = [100.0 * f for f in FRACTIONS]
@@ -94,10 +92,12 @@ def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
     figure = new_figure(4.5, 4.2, "the report")
     panel = figure.subplots()
     panel.plot([0, 100], [0, 100], color="grey", lw=0.8, ls=":")
-    for colour, (name, told) in zip(COLOURS * 4, known.items(), strict=False):
-        stated = [100.0 * b["stated"] for b in told["bins"]]
-        right = [100.0 * b["right"] for b in told["bins"]]
-        panel.plot(stated, right, "o-", ms=4, color=colour, label=f"{name}: ECE {told['ece']:.3f}")
+    for colour, (name, results) in zip(COLOURS * 4, known.items(), strict=False):
+        stated = [100.0 * b["stated"] for b in results["bins"]]
+        right = [100.0 * b["right"] for b in results["bins"]]
+        panel.plot(
+            stated, right, "o-", ms=4, color=colour, label=f"{name}: ECE {results['ece']:.3f}"
+        )
     panel.set_xlabel("stated probability [%]")
     panel.set_ylabel("right [%]")
     panel.legend(fontsize=7)
@@ -105,7 +105,7 @@ def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
 
 
 def draw_commitment(summary: Mapping[str, Any]) -> Any | None:
-    """Draw what a user chooses between: from reactive to reliable, for each estimator."""
+    """Draw the operating points of each estimator, from reactive to reliable."""
     curves = {n: t["commitment"]["all"] for n, t in summary["targets"].items()}
     curves = {n: rows for n, rows in curves.items() if rows and "committed" in rows[0]}
     if not curves:
@@ -116,7 +116,7 @@ def draw_commitment(summary: Mapping[str, Any]) -> Any | None:
         ("right", "first commitment is right [%]"), ("committed", "reaches committed for [%]"),
         ("false_per_minute", "false commitments a minute without a reach"),
     )  # fmt: skip
-    for panel, (column, words) in zip(axes, columns, strict=True):
+    for panel, (column, label) in zip(axes, columns, strict=True):
         for colour, (name, rows) in zip(COLOURS * 4, curves.items(), strict=False):
             known = [r for r in rows if r.get(column) is not None]
             scale = 1.0 if column == "false_per_minute" else 100.0
@@ -125,7 +125,7 @@ def draw_commitment(summary: Mapping[str, Any]) -> Any | None:
                 "o-", ms=3, lw=1, color=colour, label=name,
             )  # fmt: skip
         panel.set_xlabel("mean part of the movement [%]")
-        panel.set_ylabel(words, fontsize=8)
+        panel.set_ylabel(label, fontsize=8)
         panel.grid(alpha=0.3)
     axes[0].legend(fontsize=6)
     return figure

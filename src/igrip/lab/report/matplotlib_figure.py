@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from igrip.errors import MissingExtraError
+from igrip.errors import requires_extra
 
 
 def new_figure(width: float, height: float, purpose: str) -> Any:
@@ -15,8 +15,6 @@ def new_figure(width: float, height: float, purpose: str) -> Any:
     MissingExtraError
         If matplotlib is not installed; ``purpose`` says what needs it.
     """
-    try:
+    with requires_extra("matplotlib", "report", purpose):
         from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", purpose) from error
     return Figure(figsize=(width, height), layout="constrained")

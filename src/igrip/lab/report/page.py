@@ -14,11 +14,13 @@ from typing import Any
 import pandas as pd
 
 from igrip.config import Config
-from igrip.errors import MissingExtraError
+from igrip.errors import requires_extra
 from igrip.io.datasets.dataset import Dataset
-from igrip.lab.evaluation.trial_metrics import FRACTIONS, NO_REACH
-from igrip.lab.report import claims, figures, published
-from igrip.lab.report.courses_figure import draw_courses, follow_trial
+from igrip.lab.evaluation.runner import run_trial
+from igrip.lab.evaluation.summary import reaches_of, valid_of
+from igrip.lab.evaluation.trial_metrics import FRACTIONS
+from igrip.lab.report import claims, figures
+from igrip.lab.report.courses_figure import draw_courses
 from igrip.objects.catalog import Catalog
 
 
@@ -26,50 +28,37 @@ def write_report(
     out: Path,
     dataset: Dataset,
     catalog: Catalog,
+    configs: Sequence[Config],
     frame: pd.DataFrame,
     summary: Mapping[str, Any],
     chosen: str | None = None,
 ) -> None:
-    """Write ``summary.json``, ``trials.parquet``, ``figures/`` and ``report.html``.
+    """Write ``summary.json``, ``trials.parquet``, ``figures/`` and ``report.html`` to a folder.
 
-    Parameters
-    ----------
-    out : Path
-        Folder of the report.
-    dataset, catalog : Dataset, Catalog
-        What was evaluated.
-    frame : DataFrame
-        A row for each recording and estimator.
-    summary : mapping
-        Of :func:`igrip.lab.evaluation.summary.summarise`.
-    chosen : str, optional
-        Recording of the time courses; by default a typical one.
+    ``frame`` has a row for each recording and estimator, ``summary`` is that of
+    :func:`igrip.lab.evaluation.summary.summarise`, and ``chosen`` the recording of the time
+    courses, by default a typical one.
 
     Raises
     ------
     MissingExtraError
         If matplotlib, pyarrow or jinja2 is not installed.
     """
-    try:
+    with requires_extra("jinja2", "report", "the report"):
         import jinja2
-    except ImportError as error:
-        raise MissingExtraError("jinja2", "report", "the report") from error
     out.mkdir(parents=True, exist_ok=True)
     text = json.dumps(clean(summary), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
-    try:
+    with requires_extra("pyarrow", "report", "trials.parquet"):
         frame.to_parquet(out / "trials.parquet", index=False)
-    except ImportError as error:
-        raise MissingExtraError("pyarrow", "report", "trials.parquet") from error
-    first = next(iter(summary["targets"]))
-    leading = "paper" if "paper" in summary["targets"] else first
-    own = frame[frame["targets"] == leading]
+    leading = next((c for c in configs if c.targets == "paper"), configs[0])
+    own = frame[frame["targets"] == leading.targets]
     drawn = {
         "participants": figures.draw_participants(own),
         "accuracy": figures.draw_accuracy(summary),
         "calibration": figures.draw_calibration(summary),
         "commitment": figures.draw_commitment(summary),
-        "courses": _courses(dataset, catalog, own, leading, chosen),
+        "courses": _courses(dataset, catalog, leading, own, chosen),
     }
     pictures = {name: _save(figure, out, name) for name, figure in drawn.items() if figure}
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
@@ -78,10 +67,10 @@ def write_report(
         (files("igrip.lab.report") / "report.html").read_text(encoding="utf-8")
     )
     page = template.render(
-        summary=summary, pictures=pictures, leading=leading,
+        summary=summary, pictures=pictures, leading=leading.targets,
         fractions=[f"{f:.0%}" for f in FRACTIONS],
-        table_i=published.TABLE_I, grip=published.GRIP, conditions=published.CONDITIONS,
-        paper_valid=published.VALID_SHARE, paper_observed=published.OBSERVED_SHARE,
+        table_i=claims.TABLE_I, grip=claims.GRIP, conditions=claims.CONDITIONS,
+        paper_valid=claims.VALID_SHARE, paper_observed=claims.OBSERVED_SHARE,
         findings=claims.findings(summary), deviations=claims.deviations(summary),
     )  # fmt: skip
     (out / "report.html").write_text(page, encoding="utf-8")
@@ -89,27 +78,27 @@ def write_report(
 
 def typical(rows: pd.DataFrame) -> str | None:
     """Return the recording nearest to the medians of delay and margin among the successful."""
-    reaches = rows[(rows["target"] != NO_REACH) & rows["problem"].isna()]
-    for part in (reaches[reaches["valid"] == True], reaches):  # noqa: E712
-        if "success" not in part or not (right := part[part["success"] == True]).shape[0]:  # noqa: E712
-            continue
-        numbers = right[["delay_s", "margin_s"]].astype(float)
-        away = ((numbers - numbers.median()).abs()).sum(axis=1)
-        return str(right["recording"].iloc[int(away.to_numpy().argmin())])
+    reaches = reaches_of(rows)
+    for part in (valid_of(reaches), reaches):
+        right = part[part["success"].eq(True)]
+        if len(right):
+            times = right[["delay_s", "margin_s"]].astype(float)
+            away = (times - times.median()).abs().sum(axis=1)
+            return str(right["recording"].iloc[int(away.to_numpy().argmin())])
     return None
 
 
 def _courses(
-    dataset: Dataset, catalog: Catalog, rows: pd.DataFrame, targets: str, chosen: str | None
+    dataset: Dataset, catalog: Catalog, config: Config, rows: pd.DataFrame, chosen: str | None
 ) -> Any | None:
+    """Draw the time courses of one trial; None where there is none to draw."""
     name = chosen or typical(rows)
-    row = rows[(rows["recording"] == name) & rows["problem"].isna()]
-    if not len(row) or "onset_s" not in row or pd.isna(row.iloc[0]["onset_s"]):
+    row = reaches_of(rows)[lambda reaches: reaches["recording"] == name]
+    if not len(row):
         return None
     trial = next(t for t in dataset.trials if t.recording == name)
     bounds = (float(row.iloc[0]["onset_s"]), float(row.iloc[0]["end_s"]))
-    course = follow_trial(dataset, trial, catalog, Config(targets=targets), bounds)
-    return draw_courses(course) if len(course.times) else None
+    return draw_courses(run_trial(dataset, trial, catalog, [config]), bounds)
 
 
 def _save(figure: Any, out: Path, name: str) -> str:
@@ -133,15 +122,15 @@ def clean(value: Any) -> Any:
 
 
 def percent(value: float | None) -> str:
-    """Return a part as people read it."""
+    """Return a share as a percentage."""
     return "–" if value is None or not math.isfinite(value) else f"{100.0 * value:.1f} %"
 
 
 def seconds(value: float | None) -> str:
-    """Return a time as people read it."""
+    """Return a time with two decimals [s]."""
     return "–" if value is None or not math.isfinite(value) else f"{value:.2f}"
 
 
 def interval(value: Sequence[float] | None) -> str:
-    """Return an interval of parts as people read it."""
+    """Return an interval of shares as percentages."""
     return "" if not value else f"{100.0 * value[0]:.0f}–{100.0 * value[1]:.0f}"

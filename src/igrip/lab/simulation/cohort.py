@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import asdict, dataclass
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.errors import DatasetError
 from igrip.io.datasets.dataset import DatasetWriter, Trial
 from igrip.lab.evaluation.movement import movement_bounds
+from igrip.lab.simulation.minimum_jerk import Array
 from igrip.lab.simulation.movement import Habits, draw_habits, draw_reach, sway, tremor
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
-from igrip.lab.simulation.parameters import Cohort, Protocol, checksum
-from igrip.lab.simulation.sensors import film, place_camera
-from igrip.lab.simulation.table import Table, set_table
-from igrip.objects.catalog import PAPER_OBJECTS, Catalog
+from igrip.lab.simulation.parameters import CohortParameters, ProtocolParameters, checksum
+from igrip.lab.simulation.sensors import observe_scene, place_camera
+from igrip.lab.simulation.table import Table, models_by_id, object_ids, set_table
+from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
 
-Array = NDArray[np.float64]
 SIDES = ("left", "right")
 FINE = 200.0  # Hz of the true trace in which onset and end are found
 
 
 @dataclass(frozen=True)
-class Task:
+class TrialTask:
     """One row of the protocol."""
 
     hand: str
@@ -38,10 +37,10 @@ class Task:
     movement: str
 
 
-def tasks_of(protocol: Protocol, random: np.random.Generator) -> list[Task]:
+def tasks_of(protocol: ProtocolParameters, random: np.random.Generator) -> list[TrialTask]:
     """Return the shuffled trials of one participant."""
     rows = [
-        Task(hand, target, grip, movement)
+        TrialTask(hand, target, grip, movement)
         for hand, target, grip, movement, _ in product(
             SIDES, object_ids(), ("palmar", "pinch"), ("executed", "simulated"),
             range(protocol.repetitions),
@@ -50,17 +49,7 @@ def tasks_of(protocol: Protocol, random: np.random.Generator) -> list[Task]:
     return [rows[k] for k in random.permutation(len(rows))]
 
 
-def object_ids() -> list[str]:
-    """Return the ids of the paper's objects in the recordings."""
-    return [name.split("_")[-2] for name in PAPER_OBJECTS]
-
-
-def models_by_id(catalog: Catalog) -> dict[str, ObjectModel]:
-    """Return the paper's objects."""
-    return {id: catalog[name] for id, name in zip(object_ids(), PAPER_OBJECTS, strict=True)}
-
-
-def rest_points(protocol: Protocol) -> dict[str, Array]:
+def rest_points(protocol: ProtocolParameters) -> dict[str, Array]:
     """Return where each palm rests [m]."""
     return {
         side: np.array([sign * protocol.rest_aside, 0.0, protocol.rest_height])
@@ -69,34 +58,22 @@ def rest_points(protocol: Protocol) -> dict[str, Array]:
 
 
 @dataclass(frozen=True)
-class Performance:
-    """What truly happened in one trial; both cameras see the same.
+class PerformedTask:
+    """What truly happened in one trial; both cameras see the same."""
 
-    Attributes
-    ----------
-    times : (n,)
-        Of the frames [s].
-    palms : dict of str to (n, 3)
-        Both palms [m].
-    table : Table
-        The objects.
-    bounds : (float, float)
-        Onset and end of the movement [s].
-    """
-
-    times: Array
-    palms: Mapping[str, Array]
+    times: Array  # of the frames, (n,) [s]
+    palms: Mapping[str, Array]  # both palms, (n, 3) [m]
     table: Table
-    bounds: tuple[float, float]
+    bounds: tuple[float, float]  # onset and end of the movement [s]
 
 
 def perform(
-    task: Task,
-    cohort: Cohort,
+    task: TrialTask,
+    cohort: CohortParameters,
     habits: Habits,
     models: Mapping[str, ObjectModel],
     random: np.random.Generator,
-) -> Performance:
+) -> PerformedTask:
     """Let a participant do one task."""
     protocol, person = cohort.protocol, cohort.person
     table = set_table(models, protocol, random)
@@ -123,34 +100,22 @@ def perform(
     speeds = np.linalg.norm(np.gradient(reach.position(fine), 1.0 / FINE, axis=0), axis=1)
     bounds = movement_bounds(fine, speeds)
     assert bounds is not None, "a reach has a peak between rest and rest"
-    return Performance(times, palms, table, bounds)
+    return PerformedTask(times, palms, table, bounds)
 
 
-def simulate(
+def simulate_cohort(
     path: str | Path,
     catalog: Catalog,
-    cohort: Cohort,
+    parameters: CohortParameters,
     participants: int = 11,
     seed: int = 0,
     trials: int | None = None,
     no_reach_minutes: int = 30,
 ) -> Iterator[tuple[int, int]]:
-    """Write a cohort as a dataset, and say how many recordings are done, and of how many.
+    """Write a cohort to a new folder; yield how many recordings are done, and of how many.
 
-    Parameters
-    ----------
-    path : str or Path
-        A new folder.
-    catalog : Catalog
-        Must hold the paper's objects.
-    cohort : Cohort
-        All parameters.
-    participants, seed : int
-        How many people, and which.
-    trials : int, optional
-        Only the first so many trials of each participant.
-    no_reach_minutes : int
-        Minutes without any reach, a recording each.
+    The catalog must hold the paper's objects. Only the first so many ``trials`` of each participant
+    are done; each of the minutes without a reach is one recording.
 
     Raises
     ------
@@ -160,83 +125,78 @@ def simulate(
     if participants < 1:
         raise DatasetError("a cohort needs a participant")
     models = models_by_id(catalog)
+    people = [Participant(parameters, p, seed, trials) for p in range(participants)]
     source = (
-        f"igrip simulate --participants {participants} --seed {seed} --profile {cohort.profile}; "
-        f"parameters {checksum(cohort)}"
+        f"igrip simulate --participants {participants} --seed {seed} "
+        f"--profile {parameters.profile}; parameters {checksum(parameters)}"
     )
-    details: dict[str, Any] = {"objects": ["ycb"], "simulated": cohort.model_dump(mode="json")}
-    with DatasetWriter(path, f"simulated {cohort.profile}", "CC0-1.0", source, **details) as writer:
-        done, total = 0, 0
-        plans = []
-        for p in range(participants):
-            random = np.random.default_rng([seed, p, 0])
-            habits, tasks = draw_habits(cohort.person, random), tasks_of(cohort.protocol, random)
-            cameras = {side: place_camera(cohort.camera, side, random) for side in SIDES}
-            plans.append((habits, tasks[:trials], cameras))
-            total += 2 * len(tasks[:trials])
-        total += no_reach_minutes
-        for p, (habits, tasks, cameras) in enumerate(plans):
-            for number, task in enumerate(tasks, start=1):
-                random = np.random.default_rng([seed, p, 1, number])
-                performance = perform(task, cohort, habits, models, random)
-                for row, messages in _recordings(
-                    p, number, task, performance, cohort, cameras, seed
-                ):
-                    writer.add(row, messages)
-                    done += 1
-                    yield done, total
-        for minute in range(no_reach_minutes):
-            p = minute % participants
-            writer.add(*_no_reach(minute, p, cohort, plans[p][2], models, seed))
-            done += 1
+    details: dict[str, Any] = {"objects": ["ycb"], "simulated": parameters.model_dump(mode="json")}
+    name = f"simulated {parameters.profile}"
+    with DatasetWriter(path, name, "CC0-1.0", source, **details) as writer:
+        total = sum(2 * len(person.tasks) for person in people) + no_reach_minutes
+        recordings = chain(
+            (recording for person in people for recording in person.record_trials(models)),
+            (people[k % participants].record_no_reach(k, models) for k in range(no_reach_minutes)),
+        )
+        for done, (row, messages) in enumerate(recordings, start=1):
+            writer.add(row, messages)
             yield done, total
-        people = {f"p{p + 1:02d}": {"profile": cohort.profile} for p in range(participants)}
-        writer.close(people)
+        writer.close({person.name: {"profile": parameters.profile} for person in people})
 
 
-def _recordings(
-    p: int,
-    number: int,
-    task: Task,
-    performance: Performance,
-    cohort: Cohort,
-    cameras: Mapping[str, Array],
-    seed: int,
-) -> Iterator[tuple[Trial, list[Observation]]]:
-    onset, end = performance.bounds
-    for c, side in enumerate(SIDES):
-        random = np.random.default_rng([seed, p, 2, number, c])
-        messages = film(
-            performance.times, performance.palms, performance.table, cameras[side], cohort.camera,
-            random,
+class Participant:
+    """One simulated participant, with the two cameras that stand before them.
+
+    ``number`` (from 0) and ``seed`` (of the cohort) fix all that is drawn; only the first so many
+    ``trials`` are done.
+    """
+
+    def __init__(
+        self, parameters: CohortParameters, number: int, seed: int, trials: int | None
+    ) -> None:
+        self._parameters, self._seed = parameters, (seed, number)
+        self.name = f"p{number + 1:02d}"
+        random = np.random.default_rng([*self._seed, 0])
+        self._habits = draw_habits(parameters.person, random)
+        self.tasks = tasks_of(parameters.protocol, random)[:trials]
+        self._cameras = {side: place_camera(parameters.camera, side, random) for side in SIDES}
+
+    def record_trials(
+        self, models: Mapping[str, ObjectModel]
+    ) -> Iterator[tuple[Trial, list[Observation]]]:
+        """Yield row and messages of each trial, as each camera observes it."""
+        for number, task in enumerate(self.tasks, start=1):
+            random = np.random.default_rng([*self._seed, 1, number])
+            done = perform(task, self._parameters, self._habits, models, random)
+            onset, end = done.bounds
+            for c, side in enumerate(SIDES):
+                messages = observe_scene(
+                    done.times, done.palms, done.table, self._cameras[side],
+                    self._parameters.camera, np.random.default_rng([*self._seed, 2, number, c]),
+                )  # fmt: skip
+                row = Trial(
+                    recording=f"{self.name}_t{number:03d}_{side}", participant=self.name,
+                    trial=str(number), camera=f"camera_{side}", camera_side=side,
+                    **asdict(task), onset_s=round(onset, 4), end_s=round(end, 4), performed="yes",
+                )  # fmt: skip
+                yield row, messages
+
+    def record_no_reach(
+        self, minute: int, models: Mapping[str, ObjectModel]
+    ) -> tuple[Trial, list[Observation]]:
+        """Return row and messages of a minute without a reach."""
+        random = np.random.default_rng([*self._seed, 3, minute])
+        kind, side = KINDS[minute % len(KINDS)], SIDES[minute // len(KINDS) % 2]
+        protocol = self._parameters.protocol
+        table = set_table(models, protocol, random)
+        scene = draw_no_reach(kind, table, self._parameters, rest_points(protocol), 60.0, random)
+        messages = observe_scene(
+            scene.times, scene.palms, table, self._cameras[side], self._parameters.camera, random,
+            scene.moving,
         )  # fmt: skip
         row = Trial(
-            recording=f"p{p + 1:02d}_t{number:03d}_{side}",
-            participant=f"p{p + 1:02d}", trial=str(number), camera=f"camera_{side}",
-            camera_side=side, hand=task.hand, target=task.target, grip=task.grip,
-            movement=task.movement, onset_s=round(onset, 4), end_s=round(end, 4), performed="yes",
+            recording=f"{self.name}_none{minute + 1:02d}_{side}", participant=self.name,
+            trial=f"none{minute + 1}", camera=f"camera_{side}", camera_side=side, hand=scene.hand,
+            target="none", movement=kind,
         )  # fmt: skip
-        yield row, messages
-
-
-def _no_reach(
-    minute: int,
-    p: int,
-    cohort: Cohort,
-    cameras: Mapping[str, Array],
-    models: Mapping[str, ObjectModel],
-    seed: int,
-) -> tuple[Trial, list[Observation]]:
-    random = np.random.default_rng([seed, p, 3, minute])
-    kind, side = KINDS[minute % len(KINDS)], SIDES[minute // len(KINDS) % 2]
-    table = set_table(models, cohort.protocol, random)
-    scene = draw_no_reach(kind, table, cohort, rest_points(cohort.protocol), 60.0, random)
-    messages = film(
-        scene.times, scene.palms, table, cameras[side], cohort.camera, random, scene.moving
-    )
-    row = Trial(
-        recording=f"p{p + 1:02d}_none{minute + 1:02d}_{side}", participant=f"p{p + 1:02d}",
-        trial=f"none{minute + 1}", camera=f"camera_{side}", camera_side=side, hand=scene.hand,
-        target="none", movement=kind,
-    )  # fmt: skip
-    return row, messages
+        return row, messages

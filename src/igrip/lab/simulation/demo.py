@@ -8,20 +8,16 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation.minimum_jerk import reach
-from igrip.lab.simulation.table import Table
-from igrip.objects.catalog import PAPER_OBJECTS, Catalog
-from igrip.objects.model import ObjectModel
+from igrip.lab.simulation.minimum_jerk import Array, reach
+from igrip.lab.simulation.table import Table, models_by_id, stand_at
+from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 from igrip.settings import Settings, quantity
 
-Array = NDArray[np.float64]
-
 
 class DemoConfig(Settings):
-    """The person, the table and the sensors of the demo. All sizes are guesses, for show."""
+    """The person, the table and the sensors of the demo. All sizes are guesses."""
 
     rate: float = quantity(30.0, "Hz", "measurements of the hands", "paper: 30 FPS", gt=0)
     object_rate: float = quantity(12.0, "Hz", "measurements of objects", "SPEC §1", gt=0)
@@ -38,8 +34,8 @@ class DemoConfig(Settings):
 
 
 @dataclass(frozen=True)
-class Task:
-    """What the person is asked to do, and when, on the clock of the demo [s]."""
+class DemoTask:
+    """One reach: hand, target and grip, and its times on the clock of the demo [s]."""
 
     hand: str
     target: str
@@ -55,80 +51,55 @@ class Moment:
     """One message of the demo, and the task it belongs to."""
 
     observation: Observation
-    task: Task
+    task: DemoTask
 
 
 class DemoPerson:
     """A person at a table with the paper's four objects; the same for the same seed.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        Must hold the paper's objects.
-    seed : int
-        Places objects, orders tasks and draws noise.
-    config : DemoConfig, optional
-        Sizes.
-
-    Attributes
-    ----------
-    places : dict of str to (3,)
-        Where each object's mesh origin is [m].
-    yaws : dict of str to float
-        How each is turned about the vertical [rad].
+    ``table`` is where the objects stand, ``rest`` where each palm rests, (3,) [m].
     """
 
     def __init__(self, catalog: Catalog, seed: int = 0, config: DemoConfig | None = None) -> None:
         self.config = config or DemoConfig()
         self._seed = seed
         random = np.random.default_rng([seed, 0])
-        self.models = {name.split("_")[-2]: catalog[name] for name in PAPER_OBJECTS}
-        slots = random.permutation(len(self.models))
-        self.places: dict[str, Array] = {}
-        self.yaws: dict[str, float] = {}
-        for slot, (id, model) in zip(slots, self.models.items(), strict=True):
+        models = models_by_id(catalog)
+        places, yaws = {}, {}
+        for slot, id in zip(random.permutation(len(models)), models, strict=True):
             x = -0.33 + 0.22 * slot + random.uniform(-0.03, 0.03)
-            middle = np.array([x, 0.42 + random.uniform(-0.08, 0.08), 0.0])
-            yaw = float(random.uniform(-math.pi, math.pi))
-            turned = _yaw(yaw) @ model.origin
-            self.yaws[id] = yaw
-            self.places[id] = middle - np.array([turned[0], turned[1], _lowest(model)])
+            spot = np.array([x, 0.42 + random.uniform(-0.08, 0.08)])
+            yaws[id] = float(random.uniform(-math.pi, math.pi))
+            places[id] = stand_at(models[id], spot, yaws[id])
+        self.table = Table(models, places, yaws)
         self.rest = {"left": np.array([-0.22, 0.0, 0.04]), "right": np.array([0.22, 0.0, 0.04])}
 
-    def tasks(self) -> Iterator[Task]:
+    def tasks(self) -> Iterator[DemoTask]:
         """Yield tasks without end: rounds of every object × hand × grip, shuffled."""
         config = self.config
         random = np.random.default_rng([self._seed, 1])
         begin = 0.0
-        combinations = list(product(self.models, self.rest, ("palmar", "pinch")))
+        combinations = list(product(self.table.models, self.rest, ("palmar", "pinch")))
         while True:
             for k in random.permutation(len(combinations)):
                 target, hand, grip = combinations[k]
                 onset = begin + config.rest
                 end = onset + config.movement
                 finish = end + config.hold + config.back
-                yield Task(hand, target, grip, begin, onset, end, finish)
+                yield DemoTask(hand, target, grip, begin, onset, end, finish)
                 begin = finish
 
     @property
     def round(self) -> int:
         """Number of tasks in one round."""
-        return len(self.models) * len(self.rest) * 2
+        return len(self.table.models) * len(self.rest) * 2
 
-    def grasp_point(self, task: Task) -> Array:
-        """Return where the palm is at the end of a reach, shape (3,) [m].
-
-        A palmar grip ends beside the body at mid-height, on the side of the hand; a pinch above the
-        top.
-        """
-        table = Table(self.models, self.places, self.yaws)
-        return table.grasp_point(task.target, task.grip, self.rest[task.hand], self.config)
-
-    def hands(self, task: Task, t: float) -> dict[str, Array]:
+    def hands(self, task: DemoTask, t: float) -> dict[str, Array]:
         """Return where both palms truly are at a time of a task [m]."""
         config = self.config
         hands = dict(self.rest)
-        home, goal = self.rest[task.hand], self.grasp_point(task)
+        home = self.rest[task.hand]
+        goal = self.table.grasp_point(task.target, task.grip, home, config)
         if t <= task.end + config.hold:
             part = (t - task.onset) / config.movement
         else:
@@ -149,24 +120,16 @@ class DemoPerson:
                 objects = {}
                 if t >= next_pose:
                     next_pose += 1.0 / config.object_rate
-                    objects = {id: self._pose(id, t, random) for id in self.models}
+                    objects = {id: self._pose(id, t, random) for id in self.table.models}
                 yield Moment(Observation(t=t, hands=hands, objects=objects), task)
                 frame += 1
 
     def _pose(self, id: str, t: float, random: np.random.Generator) -> dict[str, object]:
-        half = 0.5 * self.yaws[id]
+        half = 0.5 * self.table.yaws[id]
+        noise = random.normal(0.0, self.config.object_noise, 3)
         return {
-            "model": self.models[id].name,
+            "model": self.table.models[id].name,
             "t": max(0.0, t - self.config.object_latency),
-            "position": self.places[id] + random.normal(0.0, self.config.object_noise, 3),
+            "position": self.table.places[id] + noise,
             "orientation": [0.0, 0.0, math.sin(half), math.cos(half)],
         }
-
-
-def _yaw(angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _lowest(model: ObjectModel) -> float:
-    return float(model.vertices[:, 2].min())

@@ -1,4 +1,4 @@
-"""Keeps count of what was said during the tasks of the demo."""
+"""The score of the demo: how often intentions were right at the end of a reach."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from typing import Any
 
 from igrip.describe import describe
 from igrip.intention import Intention
-from igrip.lab.simulation.demo import Moment, Task
+from igrip.lab.simulation.demo import DemoTask, Moment
 
 
-class Events:
-    """Says when a hand's status or its lease changes, and why."""
+class StatusChanges:
+    """Describes each change of a hand's status or lease."""
 
     def __init__(self) -> None:
         self._before: dict[str, tuple[str, str | None]] = {}
 
-    def take(self, intentions: list[Intention]) -> list[str]:
+    def update(self, intentions: list[Intention]) -> list[str]:
         """Return a line for each change."""
         lines = []
         for intention in intentions:
@@ -23,12 +23,12 @@ class Events:
             now = (intention.status, lease)
             before = self._before.get(intention.hand)
             self._before[intention.hand] = now
-            if before in (None, now):
+            if before is None or before == now:
                 continue
-            words = "" if lease is None else f"; a device may act on {lease}"
-            if lease is None and before is not None and before[1] is not None:
-                words = f"; the lease on {before[1]} ends"
-            lines.append(f"  {intention.t:7.2f} s  {describe(intention)}{words}")
+            note = "" if lease is None else f"; a device may act on {lease}"
+            if lease is None and before[1] is not None:
+                note = f"; the lease on {before[1]} ends"
+            lines.append(f"  {intention.t:7.2f} s  {describe(intention)}{note}")
         return lines
 
 
@@ -41,12 +41,12 @@ class DemoScore:
 
     def __init__(self) -> None:
         self.reaches: list[dict[str, Any]] = []
-        self._task: Task | None = None
+        self._task: DemoTask | None = None
         self._found: float | None = None
         self._last: Intention | None = None
 
-    def take(self, moment: Moment, intentions: list[Intention]) -> str | None:
-        """Take one message's intentions; return a line of text when a reach has ended."""
+    def update(self, moment: Moment, intentions: list[Intention]) -> str | None:
+        """Add the intentions of one message; return a line of text when a reach has ended."""
         task, t = moment.task, moment.observation.t
         if task is not self._task and t < task.end:
             self._task, self._found, self._last = task, None, None
@@ -69,29 +69,20 @@ class DemoScore:
         self._task = None
         if task is None or last is None:
             return None
-        target_right = last.target == task.target
-        grip_right = last.grip == task.grip
         found = None if self._found is None else self._found - task.onset
-        self.reaches.append(
-            {
-                "hand": task.hand,
-                "target": task.target,
-                "grip": task.grip,
-                "said_target": last.target,
-                "said_grip": last.grip,
-                "target_right": target_right,
-                "grip_right": grip_right,
-                "found_after_s": found,
-                "movement_s": task.end - task.onset,
-            }
-        )
-        mark = "✓" if target_right and grip_right else "✗"
-        when = (
-            "" if found is None else f", found after {found:.2f} of {task.end - task.onset:.2f} s"
-        )
+        movement = task.end - task.onset
+        row = {
+            "hand": task.hand, "target": task.target, "grip": task.grip,
+            "said_target": last.target, "said_grip": last.grip,
+            "target_right": last.target == task.target, "grip_right": last.grip == task.grip,
+            "found_after_s": found, "movement_s": movement,
+        }  # fmt: skip
+        self.reaches.append(row)
+        mark = "✓" if row["target_right"] and row["grip_right"] else "✗"
+        when = "" if found is None else f", found after {found:.2f} of {movement:.2f} s"
         return (
             f"{mark} {task.hand} hand to {task.target}, {task.grip}: "
-            f"said {last.target}, {last.grip}{when}"
+            f"predicted {last.target}, {last.grip}{when}"
         )
 
     def summary(self) -> dict[str, Any]:
@@ -105,7 +96,7 @@ class DemoScore:
             "each": self.reaches,
         }
 
-    def words(self) -> str:
+    def sentence(self) -> str:
         """Return the counts in one sentence."""
         s = self.summary()
         if not s["reaches"]:

@@ -1,4 +1,4 @@
-"""What goes wrong with sensors, on purpose: seeded, on the clock of the messages, on any source."""
+"""Faults of sensors, injected into any source: seeded, and on the clock of the messages."""
 
 from __future__ import annotations
 
@@ -25,24 +25,12 @@ SPEC = re.compile(
 
 @dataclass(frozen=True)
 class Fault:
-    """One kind of fault, at a time or at a rate.
+    """One kind of fault, at a time or at a rate."""
 
-    Attributes
-    ----------
-    kind : str
-        One of :data:`KINDS`.
-    at : float
-        When it begins [s]; NaN: at random.
-    lasts : float
-        For how long [s].
-    rate : float
-        How often it begins, a second, where ``at`` is NaN.
-    """
-
-    kind: str
-    at: float = math.nan
-    lasts: float = 0.5
-    rate: float = 0.0
+    kind: str  # of KINDS
+    at: float = math.nan  # when it begins [s]; NaN: at random
+    lasts: float = 0.5  # for how long [s]
+    rate: float = 0.0  # how often it begins, a second, where ``at`` is NaN
 
     @classmethod
     def parse(cls, text: str) -> Fault:
@@ -69,153 +57,110 @@ class Fault:
 
 
 @dataclass
-class Memory:
-    """What a fault of one kind keeps while it lasts."""
+class Spell:
+    """One spell of a fault, with what is drawn once for all of it."""
 
     random: np.random.Generator
     until: float = -math.inf
-    kept: dict[str, Any] = field(default_factory=dict)
+    drawn: dict[str, Any] = field(default_factory=dict)
 
     def once(self, key: str, draw: Callable[[], Any]) -> Any:
         """Return what was drawn for this spell, drawing it the first time."""
-        if key not in self.kept:
-            self.kept[key] = draw()
-        return self.kept[key]
+        if key not in self.drawn:
+            self.drawn[key] = draw()
+        return self.drawn[key]
 
 
-Change = Callable[[Observation, Memory], Observation | None]
-KINDS: dict[str, Change] = {}
-LATE: dict[str, Callable[[Memory], float]] = {}  # kinds that only hold messages back, by how much
+def _with(message: Observation, **changes: Any) -> Observation:
+    """Return a message with other hands, objects or time."""
+    fields: dict[str, Any] = {"t": message.t, "hands": message.hands, "objects": message.objects}
+    return Observation(**fields | changes)
 
 
-def _kind(name: str) -> Callable[[Change], Change]:
-    def keep(change: Change) -> Change:
-        KINDS[name] = change
-        return change
-
-    return keep
-
-
-def _hands(message: Observation, change: Callable[[str, Hand], Hand | None]) -> Observation:
-    hands = {id: h if h is None else change(id, h) for id, h in message.hands.items()}
-    return Observation(t=message.t, hands=hands, objects=dict(message.objects))
+def _move_hands(message: Observation, move: Callable[[str, Hand], Any]) -> Observation:
+    """Return a message whose hands are elsewhere."""
+    moved = {
+        id: hand and msgspec.structs.replace(hand, position=move(id, hand))
+        for id, hand in message.hands.items()
+    }
+    return _with(message, hands=moved)
 
 
-def _all(message: Observation, shift: float) -> Observation:
-    """Return a message whose entities were measured at other times."""
+def _shift_times(message: Observation, shift: float) -> Observation:
+    """Return a message whose entities were measured at other times [s]."""
 
-    def moved(entity: Hand | ObjectPose) -> Any:
+    def shifted(entity: Hand | ObjectPose | None) -> Any:
+        if entity is None:
+            return None
         t = (message.t if entity.t is None else entity.t) + shift
         return msgspec.structs.replace(entity, t=max(0.0, t))
 
-    return Observation(
-        t=message.t,
-        hands={id: h and moved(h) for id, h in message.hands.items()},
-        objects={id: o and moved(o) for id, o in message.objects.items()},
-    )
+    hands = {id: shifted(hand) for id, hand in message.hands.items()}
+    objects = {id: shifted(pose) for id, pose in message.objects.items()}
+    return _with(message, hands=hands, objects=objects)
 
 
-@_kind("drop")
-def _drop(message: Observation, memory: Memory) -> Observation | None:
-    """Nothing comes but ticks."""
-    return None
+def _next(ids: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield each id, sorted, with the next one; the last with the first."""
+    ordered = sorted(ids)
+    return zip(ordered, ordered[1:] + ordered[:1], strict=True)
 
 
-@_kind("freeze")
-def _freeze(message: Observation, memory: Memory) -> Observation:
-    """Hands stay where they were, to the last bit, at new times."""
-    return _hands(
-        message,
-        lambda id, h: msgspec.structs.replace(h, position=memory.once(id, lambda: h.position)),
-    )
+def _jump(message: Observation, spell: Spell) -> Observation:
+    def away(id: str, hand: Hand) -> list[float]:
+        step = spell.once(id, lambda: spell.random.uniform(-1.0, 1.0, 3))
+        return (np.array(hand.position) + step).tolist()  # type: ignore[no-any-return]
+
+    return _move_hands(message, away)
 
 
-@_kind("jump")
-def _jump(message: Observation, memory: Memory) -> Observation:
-    """Hands are elsewhere, by up to a metre."""
-
-    def away(id: str, h: Hand) -> Hand:
-        step = memory.once(id, lambda: memory.random.uniform(-1.0, 1.0, 3))
-        return msgspec.structs.replace(h, position=tuple((np.array(h.position) + step).tolist()))
-
-    return _hands(message, away)
-
-
-@_kind("swap")
-def _swap(message: Observation, memory: Memory) -> Observation:
-    """Every hand goes by the name of the next."""
-    ids = sorted(message.hands)
-    hands = {id: message.hands[other] for id, other in zip(ids, ids[1:] + ids[:1], strict=True)}
-    return Observation(t=message.t, hands=hands, objects=dict(message.objects))
-
-
-@_kind("lose")
-def _lose(message: Observation, memory: Memory) -> Observation:
-    """Hands are looked for and not seen."""
-    return _hands(message, lambda id, h: None)
-
-
-@_kind("vanish")
-def _vanish(message: Observation, memory: Memory) -> Observation:
-    """Objects are looked for and not seen."""
-    return Observation(
-        t=message.t, hands=dict(message.hands), objects=dict.fromkeys(message.objects)
-    )
-
-
-@_kind("wrong")
-def _wrong(message: Observation, memory: Memory) -> Observation:
-    """Every object stands where the next one does."""
-    ids = sorted(id for id, pose in message.objects.items() if pose is not None)
-    objects = dict(message.objects)
-    for id, other in zip(ids, ids[1:] + ids[:1], strict=True):
-        there, own = message.objects[other], message.objects[id]
-        assert there is not None
-        assert own is not None
-        objects[id] = msgspec.structs.replace(
-            own, position=there.position, orientation=there.orientation
+def _wrong(message: Observation, spell: Spell) -> Observation:
+    poses = {id: pose for id, pose in message.objects.items() if pose is not None}
+    moved = {
+        id: msgspec.structs.replace(
+            poses[id], position=poses[other].position, orientation=poses[other].orientation
         )
-    return Observation(t=message.t, hands=dict(message.hands), objects=objects)
+        for id, other in _next(poses)
+    }
+    return _with(message, objects={**message.objects, **moved})
 
 
-@_kind("step")
-def _step(message: Observation, memory: Memory) -> Observation:
-    """Set the sensors' clock anew, by up to two seconds."""
-    return _all(message, memory.once("step", lambda: float(memory.random.uniform(-2.0, 2.0))))
-
-
-@_kind("stale")
-def _stale(message: Observation, memory: Memory) -> Observation:
-    """Everything was measured long ago."""
-    return _all(message, -1.0)
-
-
-@_kind("future")
-def _future(message: Observation, memory: Memory) -> Observation:
-    """Everything claims to come from the future."""
-    return _all(message, 1.0)
-
-
-@_kind("duplicate")
-def _duplicate(message: Observation, memory: Memory) -> Observation:
-    """Every message comes twice; see :func:`inject`."""
-    return message
-
-
-@_kind("delay")
-def _delay(message: Observation, memory: Memory) -> Observation:
-    """Messages come later than they were measured, all by as much; see :func:`inject`."""
-    return _all(message, 0.0)
-
-
-@_kind("reorder")
-def _reorder(message: Observation, memory: Memory) -> Observation:
-    """Messages overtake each other; see :func:`inject`."""
-    return _all(message, 0.0)
-
-
-LATE["delay"] = lambda memory: float(memory.once("delay", lambda: memory.random.uniform(0.05, 0.6)))
-LATE["reorder"] = lambda memory: float(memory.random.uniform(0.0, 0.15))
+Change = Callable[[Observation, Spell], Observation | None]
+KINDS: dict[str, Change] = {
+    # nothing comes but ticks
+    "drop": lambda message, spell: None,
+    # hands stay where they were, to the last bit, at new times
+    "freeze": lambda message, spell: _move_hands(
+        message, lambda id, hand: spell.once(id, lambda: hand.position)
+    ),
+    # hands are elsewhere, by up to a metre
+    "jump": _jump,
+    # every hand goes by the name of the next
+    "swap": lambda message, spell: _with(
+        message, hands={id: message.hands[other] for id, other in _next(message.hands)}
+    ),
+    # hands, or objects, are looked for and not detected
+    "lose": lambda message, spell: _with(message, hands=dict.fromkeys(message.hands)),
+    "vanish": lambda message, spell: _with(message, objects=dict.fromkeys(message.objects)),
+    # every object stands where the next one does
+    "wrong": _wrong,
+    # the sensors' clock is set anew, by up to two seconds
+    "step": lambda message, spell: _shift_times(
+        message, spell.once("step", lambda: float(spell.random.uniform(-2.0, 2.0)))
+    ),
+    # everything was measured long ago, or claims to come from the future
+    "stale": lambda message, spell: _shift_times(message, -1.0),
+    "future": lambda message, spell: _shift_times(message, 1.0),
+    # every message comes twice
+    "duplicate": lambda message, spell: message,
+    # messages come later than they were measured: all by as much, or overtaking each other
+    "delay": lambda message, spell: _shift_times(message, 0.0),
+    "reorder": lambda message, spell: _shift_times(message, 0.0),
+}
+DELAYS: dict[str, Callable[[Spell], float]] = {  # by how much messages are held back [s]
+    "delay": lambda spell: float(spell.once("delay", lambda: spell.random.uniform(0.05, 0.6))),
+    "reorder": lambda spell: float(spell.random.uniform(0.0, 0.15)),
+}
 
 
 def inject(
@@ -224,43 +169,33 @@ def inject(
     seed: int = 0,
     counts: Counter[str] | None = None,
 ) -> Iterator[Observation]:
-    """Yield the messages of a source as they come when things go wrong.
+    """Yield the messages of a source as they come when things go wrong, the same for the same seed.
 
     Times never decrease, and every message is well formed: what is wrong is what they say.
-
-    Parameters
-    ----------
-    source : iterable of Observation
-        In order of time.
-    faults : sequence of Fault
-        What goes wrong, and when.
-    seed : int
-        Of what is drawn.
-    counts : Counter, optional
-        How many spells of each kind began is counted here.
+    ``counts`` is increased by how many spells of each kind began.
     """
-    memories = [Memory(np.random.default_rng([seed, k])) for k in range(len(faults))]
+    spells = [Spell(np.random.default_rng([seed, k])) for k in range(len(faults))]
     held: list[tuple[float, int, Observation]] = []
     last, ticked = -math.inf, -math.inf
     for number, message in enumerate(source):
-        for k, (fault, memory) in enumerate(zip(faults, memories, strict=True)):
-            if message.t > memory.until and _begins(fault, message.t, last, memory.random):
-                end = message.t + fault.lasts if math.isnan(fault.at) else fault.at + fault.lasts
-                memories[k] = Memory(memory.random, until=end)
+        for k, (fault, spell) in enumerate(zip(faults, spells, strict=True)):
+            if message.t > spell.until and _begins(fault, message.t, last, spell.random):
+                begin = message.t if math.isnan(fault.at) else fault.at
+                spells[k] = Spell(spell.random, until=begin + fault.lasts)
                 if counts is not None:
                     counts[fault.kind] += 1
         last = message.t
         while held and held[0][0] <= message.t:
             due, _, late = heapq.heappop(held)
-            yield _arriving(late, due)
+            yield _with(late, t=due)
             ticked = due
         changed: Observation | None = message
         wait, twice = 0.0, False
-        for fault, memory in zip(faults, memories, strict=True):
-            if changed is None or message.t > memory.until:
+        for fault, spell in zip(faults, spells, strict=True):
+            if changed is None or message.t > spell.until:
                 continue
-            changed = KINDS[fault.kind](changed, memory)
-            wait += LATE[fault.kind](memory) if fault.kind in LATE else 0.0
+            changed = KINDS[fault.kind](changed, spell)
+            wait += DELAYS[fault.kind](spell) if fault.kind in DELAYS else 0.0
             twice |= fault.kind == "duplicate"
         if changed is None or wait:
             if changed is not None:
@@ -273,7 +208,7 @@ def inject(
         if twice:
             yield changed
     for due, _, late in sorted(held, key=lambda one: one[:2]):
-        yield _arriving(late, max(due, last))
+        yield _with(late, t=max(due, last))
 
 
 def _begins(fault: Fault, t: float, last: float, random: np.random.Generator) -> bool:
@@ -283,13 +218,3 @@ def _begins(fault: Fault, t: float, last: float, random: np.random.Generator) ->
         )
     passed = t - last if math.isfinite(last) else 0.0
     return bool(random.random() < -math.expm1(-fault.rate * passed))
-
-
-def _arriving(message: Observation, t: float) -> Observation:
-    """Return a message that arrives at another time."""
-    return Observation(t=t, hands=dict(message.hands), objects=dict(message.objects))
-
-
-def every_kind(rate: float, lasts: float = 0.3) -> list[Fault]:
-    """Return faults of every kind at random, ``rate`` a second in all."""
-    return [Fault(kind, lasts=lasts, rate=rate / len(KINDS)) for kind in KINDS]

@@ -19,21 +19,10 @@ def progress(part: Array) -> Array:
 
 
 def reach(start: Array, end: Array, lift: float, part: Array) -> Array:
-    """Return points of a reach that rises above the straight line on its way.
+    """Return points of a reach that rises above the straight line on its way, (n, 3) [m].
 
-    Parameters
-    ----------
-    start, end : (3,)
-        Where the hand rests before and after [m].
-    lift : float
-        Height over the line at its middle [m].
-    part : (n,)
-        Parts of the duration.
-
-    Returns
-    -------
-    (n, 3)
-        Positions [m].
+    From ``start`` to ``end``, (3,) [m], with a height of ``lift`` over the line at its middle [m],
+    at parts (n,) of the duration.
     """
     done = progress(part)[:, None]
     arc = 4.0 * lift * done * (1.0 - done) * np.array([0.0, 0.0, 1.0])

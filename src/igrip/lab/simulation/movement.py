@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation.minimum_jerk import progress
-from igrip.lab.simulation.parameters import Person
-
-Array = NDArray[np.float64]
+from igrip.lab.simulation.minimum_jerk import Array, progress
+from igrip.lab.simulation.parameters import PersonParameters
 
 
 @dataclass(frozen=True)
@@ -25,7 +22,7 @@ class Habits:
     curvature: float
 
 
-def draw_habits(person: Person, random: np.random.Generator) -> Habits:
+def draw_habits(person: PersonParameters, random: np.random.Generator) -> Habits:
     """Draw a participant."""
     return Habits(
         duration=max(0.5, random.normal(person.duration, person.duration_between)),
@@ -39,22 +36,12 @@ def draw_habits(person: Person, random: np.random.Generator) -> Habits:
 
 @dataclass(frozen=True)
 class Submovement:
-    """A displacement that is superposed on what else the hand does.
+    """A displacement that is superposed on what else the hand does."""
 
-    Attributes
-    ----------
-    begin, duration : float
-        When [s].
-    displacement : (3,)
-        How far in all [m].
-    peak_time : float
-        Part of the duration at which it is half done.
-    """
-
-    begin: float
-    duration: float
-    displacement: Array
-    peak_time: float = 0.5
+    begin: float  # [s]
+    duration: float  # [s]
+    displacement: Array  # in all, (3,) [m]
+    peak_time: float = 0.5  # part of the duration at which it is half done
 
     def done(self, t: Array) -> Array:
         """Return which part of the way is done at times [s]."""
@@ -65,24 +52,12 @@ class Submovement:
 
 @dataclass(frozen=True)
 class SimulatedReach:
-    """One reach.
+    """One reach: superposed submovements (Flash & Henis 1991, J. Cogn. Neurosci. 3:220-230)."""
 
-    Attributes
-    ----------
-    start : (3,)
-        Where the hand rests before [m].
-    submovements : sequence of Submovement
-        Superposed (Flash & Henis 1991, J. Cogn. Neurosci. 3:220-230).
-    bow : (3,)
-        Deviation of the path from its chord at the middle of the first submovement [m].
-    end : float
-        When all of them are over [s].
-    """
-
-    start: Array
+    start: Array  # where the hand rests before, (3,) [m]
     submovements: Sequence[Submovement]
-    bow: Array
-    end: float
+    bow: Array  # deviation from the chord at the middle of the first submovement, (3,) [m]
+    end: float  # of all of them [s]
 
     def position(self, t: Array) -> Array:
         """Return the palm at times [s], shape (n, 3) [m]."""
@@ -95,7 +70,7 @@ class SimulatedReach:
 
 
 def draw_reach(
-    person: Person,
+    person: PersonParameters,
     habits: Habits,
     start: Array,
     goal: Array,
@@ -103,16 +78,9 @@ def draw_reach(
     other: Array | None,
     random: np.random.Generator,
 ) -> SimulatedReach:
-    """Draw one reach of a participant.
+    """Draw one reach of a participant, from ``start`` to ``goal``, (3,) [m], at an onset [s].
 
-    Parameters
-    ----------
-    start, goal : (3,)
-        Where the hand rests, and where the palm should be at the end [m].
-    onset : float
-        When it begins [s].
-    other : (3,) or None
-        Where the reach would go to another object, should the person change their mind [m].
+    ``other`` is where it would go, should the person change their mind, (3,) [m] or None.
     """
     duration = max(0.5, random.normal(habits.duration, person.duration_within))
     end_point = goal + random.normal(0.0, person.end_error, 3)
@@ -160,13 +128,10 @@ def _hesitate(
     one = Submovement(first.begin, half, part * first.displacement, first.peak_time)
     two = Submovement(first.begin + half + pause, first.duration - 0.2 * half,
                       (1.0 - part) * first.displacement, first.peak_time)  # fmt: skip
-    later = [
-        Submovement(m.begin + half + pause, m.duration, m.displacement, m.peak_time) for m in rest
-    ]
-    return [one, two, *later]
+    return [one, two, *(replace(m, begin=m.begin + half + pause) for m in rest)]
 
 
-def tremor(person: Person, t: Array, random: np.random.Generator) -> Array:
+def tremor(person: PersonParameters, t: Array, random: np.random.Generator) -> Array:
     """Return the tremor of a hand at times [s], shape (n, 3) [m]."""
     phase = random.uniform(0.0, 2.0 * math.pi, 3)
     frequency = person.tremor_frequency * random.uniform(0.9, 1.1)
@@ -175,7 +140,7 @@ def tremor(person: Person, t: Array, random: np.random.Generator) -> Array:
     return shaken
 
 
-def sway(person: Person, t: Array, random: np.random.Generator) -> Array:
+def sway(person: PersonParameters, t: Array, random: np.random.Generator) -> Array:
     """Return the slow drift of a resting hand at times [s], shape (n, 3) [m]."""
     frequencies = random.uniform(0.05, 0.4, (4, 3))
     phases = random.uniform(0.0, 2.0 * math.pi, (4, 3))

@@ -2,67 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation.minimum_jerk import reach
+from igrip.lab.simulation.minimum_jerk import Array, reach
 from igrip.lab.simulation.movement import sway, tremor
-from igrip.lab.simulation.parameters import Cohort
+from igrip.lab.simulation.parameters import CohortParameters
 from igrip.lab.simulation.sensors import Poses
 from igrip.lab.simulation.table import Table
 
-Array = NDArray[np.float64]
 KINDS = ("idle", "gesture", "passing", "carrying")
 
 
 @dataclass(frozen=True)
 class NoReach:
-    """A scene in which nothing is reached for.
+    """A scene in which nothing is reached for."""
 
-    Attributes
-    ----------
-    times : (n,)
-        Of the frames [s].
-    palms : dict of str to (n, 3)
-        Both palms [m].
-    hand : str
-        The hand that moves most.
-    moving : dict of str to function
-        Poses of objects that do not rest.
-    """
-
-    times: Array
-    palms: Mapping[str, Array]
-    hand: str
-    moving: Mapping[str, Poses]
+    times: Array  # of the frames, (n,) [s]
+    palms: Mapping[str, Array]  # both palms, (n, 3) [m]
+    hand: str  # the one that moves most
+    moving: Mapping[str, Poses]  # objects that do not rest
 
 
 def draw_no_reach(
     kind: str,
     table: Table,
-    cohort: Cohort,
+    cohort: CohortParameters,
     rest: Mapping[str, Array],
     seconds: float,
     random: np.random.Generator,
 ) -> NoReach:
-    """Draw one scene.
-
-    Parameters
-    ----------
-    kind : str
-        One of :data:`KINDS`.
-    table : Table
-        The objects, which are there all the same.
-    cohort : Cohort
-        All parameters.
-    rest : mapping of str to (3,)
-        Where each palm rests [m].
-    seconds : float
-        How long it lasts.
-    """
+    """Draw one scene of a kind (:data:`KINDS`) that lasts some seconds; palms rest at (3,) [m]."""
     times = np.arange(0.0, seconds, 1.0 / cohort.protocol.rate)
     hand = ("left", "right")[int(random.integers(2))]
     palms = {
@@ -95,12 +67,14 @@ def draw_no_reach(
     return NoReach(times, palms, hand, moving)
 
 
-def _wander(times: Array, pause: float, draw: object, random: np.random.Generator) -> Array:
+def _wander(
+    times: Array, pause: float, draw: Callable[[], Array], random: np.random.Generator
+) -> Array:
     """Return a walk of minimum-jerk moves between drawn points, with pauses, shape (n, 3) [m]."""
     walk = np.zeros((len(times), 3))
     here, t = np.zeros(3), float(random.uniform(0.3, 1.0 + pause))
     while t < times[-1]:
-        there = np.asarray(draw())  # type: ignore[operator]
+        there = draw()
         lasts = float(random.uniform(0.6, 1.2))
         after = times >= t
         walk[after] = reach(here, there, 0.0, (times[after] - t) / lasts)

@@ -7,15 +7,14 @@ checksum (:func:`checksum`). They may not be moved to make an estimator look bet
 from __future__ import annotations
 
 import hashlib
-from typing import Literal
 
+from igrip.errors import IgripError
 from igrip.settings import Settings, quantity
 
-Profile = Literal["healthy", "stroke", "sci"]
 PAPER = "paper, Sec. Experiment"
 
 
-class Protocol(Settings):
+class ProtocolParameters(Settings):
     """What the participants do."""
 
     repetitions: int = quantity(4, "1", "of hand × object × grip × movement", PAPER, ge=1)
@@ -26,7 +25,7 @@ class Protocol(Settings):
     table_width: float = quantity(0.72, "m", "objects stand within it, left to right", "guess")
     table_near: float = quantity(0.26, "m", "nearest place of an object", "guess")
     table_far: float = quantity(0.56, "m", "furthest place of an object", "guess")
-    separation: float = quantity(0.17, "m", "least distance of two objects", "guess")
+    separation: float = quantity(0.17, "m", "minimum distance of two objects", "guess")
     rest_aside: float = quantity(0.20, "m", "resting hands, from the middle", "guess")
     rest_height: float = quantity(0.04, "m", "palm over the table at rest", "guess")
     palm_to_body: float = quantity(0.045, "m", "palm to surface in a palmar grasp", "guess")
@@ -36,7 +35,7 @@ class Protocol(Settings):
     )
 
 
-class Person(Settings):
+class PersonParameters(Settings):
     """How people of one profile move: mean over people, and sd between and within people."""
 
     duration: float = quantity(
@@ -86,8 +85,8 @@ class Person(Settings):
     )  # fmt: skip
 
 
-class Camera(Settings):
-    """What a camera, hand and object detection make of it."""
+class CameraParameters(Settings):
+    """Errors of a camera, and of the detection of hands and objects."""
 
     aside: float = quantity(0.45, "m", "camera from the middle, left or right", "guess")
     behind: float = quantity(0.10, "m", "camera behind the resting hands", PAPER + ": at shoulder")
@@ -121,42 +120,52 @@ class Camera(Settings):
     occluded: float = quantity(0.5, "1", "probability of a loss behind the arm", "guess")
 
 
-class Cohort(Settings):
-    """All parameters of one cohort."""
+class CohortParameters(Settings):
+    """The parameters of one cohort."""
 
-    profile: Profile = "healthy"
-    protocol: Protocol = Protocol()
-    person: Person = Person()
-    camera: Camera = Camera()
+    profile: str = "healthy"
+    protocol: ProtocolParameters = ProtocolParameters()
+    person: PersonParameters = PersonParameters()
+    camera: CameraParameters = CameraParameters()
 
 
-def cohort(profile: Profile = "healthy") -> Cohort:
+PROFILES: dict[str, PersonParameters] = {
+    "healthy": PersonParameters(),
+    "stroke": PersonParameters(
+        duration=1.37 + 0.20, duration_between=0.30, duration_within=0.20, peak_time=0.38,
+        curvature=0.17, curvature_within=0.09, aim_error=0.050, end_error=0.014,
+        submovements=2.5, undershoot=0.30, tremor=0.0010, sway=0.003, hesitation=0.10,
+    ),
+    "sci": PersonParameters(
+        duration=1.37 + 0.25, duration_between=0.25, duration_within=0.16, peak_time=0.40,
+        lift=0.075, curvature=0.07, curvature_within=0.05, aim_error=0.035, end_error=0.012,
+        submovements=2.2, undershoot=0.12, tremor=0.0007, sway=0.003, hesitation=0.07,
+    ),
+}  # fmt: skip
+"""The people of each profile.
+
+Stroke, aimed at: movement time +2.6 sd, peak speed -1.8 sd and path ratio +0.8 sd of the healthy
+(sizes as reported for reaching after stroke), with several submovements (Rohrer et al. 2002, J.
+Neurosci. 22:8297-8304). Reached, over people and trials together: +2.7, -0.8 (-1.4 by medians) and
++0.4 sd: our healthy reaches differ in length, hence in peak speed, more than those of a clinical
+task. Spinal cord injury (C5-C7, reach without finger function): slower, a lower peak and more lift;
+sizes are guesses.
+"""
+
+
+def cohort_parameters(profile: str = "healthy") -> CohortParameters:
     """Return the parameters of a profile.
 
-    Stroke, aimed at: movement time +2.6 sd, peak speed -1.8 sd and path ratio +0.8 sd of the
-    healthy (sizes as reported for reaching after stroke), with several submovements (Rohrer et al.
-    2002, J. Neurosci. 22:8297-8304). Reached, over people and trials together: +2.7, -0.8 (-1.4 by
-    medians) and +0.4 sd: our healthy reaches differ in length, hence in peak speed, more than those
-    of a clinical task. Spinal cord injury (C5-C7, reach without finger function): slower, a lower
-    peak and more lift; sizes are guesses.
+    Raises
+    ------
+    IgripError
+        If there is no such profile.
     """
-    if profile == "healthy":
-        return Cohort()
-    if profile == "stroke":
-        person = Person(
-            duration=1.37 + 0.20, duration_between=0.30, duration_within=0.20, peak_time=0.38,
-            curvature=0.17, curvature_within=0.09, aim_error=0.050, end_error=0.014,
-            submovements=2.5, undershoot=0.30, tremor=0.0010, sway=0.003, hesitation=0.10,
-        )  # fmt: skip
-    else:
-        person = Person(
-            duration=1.37 + 0.25, duration_between=0.25, duration_within=0.16, peak_time=0.40,
-            lift=0.075, curvature=0.07, curvature_within=0.05, aim_error=0.035, end_error=0.012,
-            submovements=2.2, undershoot=0.12, tremor=0.0007, sway=0.003, hesitation=0.07,
-        )  # fmt: skip
-    return Cohort(profile=profile, person=person)
+    if profile not in PROFILES:
+        raise IgripError(f"there is no profile {profile!r:.80}: choose {', '.join(PROFILES)}")
+    return CohortParameters(profile=profile, person=PROFILES[profile])
 
 
-def checksum(parameters: Cohort) -> str:
+def checksum(parameters: CohortParameters) -> str:
     """Return a digest of every parameter."""
     return hashlib.sha256(parameters.model_dump_json().encode()).hexdigest()[:16]

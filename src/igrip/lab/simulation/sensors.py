@@ -1,4 +1,4 @@
-"""What a camera at shoulder level makes of hands and objects: noise, losses, wrong labels."""
+"""A simulated camera at shoulder level: noise, losses and wrong labels of hands and objects."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from igrip.lab.simulation.parameters import Camera
+from igrip.lab.simulation.parameters import CameraParameters
 from igrip.lab.simulation.table import Table
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
@@ -21,7 +21,7 @@ Poses = Callable[[float], tuple[Array, Array]]
 """From a time to world-from-mesh rotation and translation of an object."""
 
 
-def place_camera(camera: Camera, side: str, random: np.random.Generator) -> Array:
+def place_camera(camera: CameraParameters, side: str, random: np.random.Generator) -> Array:
     """Return where the camera on one side stands for one participant, shape (3,) [m]."""
     x = -camera.aside if side == "left" else camera.aside
     spot: Array = np.array([x, -camera.behind, camera.height])
@@ -29,7 +29,7 @@ def place_camera(camera: Camera, side: str, random: np.random.Generator) -> Arra
 
 
 def measure_points(
-    points: Array, camera_at: Array, camera: Camera, random: np.random.Generator
+    points: Array, camera_at: Array, camera: CameraParameters, random: np.random.Generator
 ) -> Array:
     """Return points of a trace as the camera measures them, shape (n, 3) [m].
 
@@ -68,7 +68,7 @@ class ObjectDetector:
     """Poses of the objects of one recording, at their own slower rate."""
 
     def __init__(
-        self, table: Table, camera_at: Array, camera: Camera, random: np.random.Generator
+        self, table: Table, camera_at: Array, camera: CameraParameters, random: np.random.Generator
     ) -> None:
         self._table, self._at, self._camera, self._random = table, camera_at, camera, random
         self._bias = {id: random.normal(0.0, camera.object_bias, 3) for id in table.models}
@@ -82,7 +82,7 @@ class ObjectDetector:
     def detect(
         self, t: float, hands: Mapping[str, Array], moving: Mapping[str, Poses]
     ) -> dict[str, dict[str, Any] | None]:
-        """Return every object as it was seen at ``t`` [s]; None for those that were not."""
+        """Return every object as detected at ``t`` [s]; None for those that were not."""
         return {id: self._one(id, t, hands, moving.get(id)) for id in self._table.models}
 
     def _one(
@@ -108,13 +108,13 @@ class ObjectDetector:
             turned = turned * _flip(model, random)
             translation = middle - turned.apply(model.origin)
         jitter = Rotation.from_rotvec(random.normal(0.0, camera.object_jitter_turn, 3))
-        seen = jitter * self._turn[id] * turned
-        place = middle - seen.apply(model.origin) + self._bias[id]
+        detected = jitter * self._turn[id] * turned
+        place = middle - detected.apply(model.origin) + self._bias[id]
         return {
             "model": model.name,
             "t": max(0.0, round(t - camera.object_latency, 4)),
             "position": place + random.normal(0.0, camera.object_jitter, 3),
-            "orientation": seen.as_quat(),
+            "orientation": detected.as_quat(),
         }
 
     def _hides(self, palm: Array, middle: Array) -> bool:
@@ -139,36 +139,24 @@ def _flip(model: ObjectModel, random: np.random.Generator) -> Rotation:
     return Rotation.from_rotvec(math.pi * axes[:, column])
 
 
-def film(
+def observe_scene(
     times: Array,
     palms: Mapping[str, Array],
     table: Table,
     camera_at: Array,
-    camera: Camera,
+    camera: CameraParameters,
     random: np.random.Generator,
     moving: Mapping[str, Poses] | None = None,
 ) -> list[Observation]:
-    """Return what the camera reports of a scene.
+    """Return the messages of a camera that observes a scene.
 
-    Parameters
-    ----------
-    times : (n,)
-        Of the frames [s].
-    palms : mapping of str to (n, 3)
-        Where each palm truly is [m].
-    table : Table
-        The objects.
-    camera_at : (3,)
-        Where the camera stands [m].
-    camera : Camera
-        Its parameters.
-    moving : mapping of str to function, optional
-        Poses of objects that do not rest.
+    ``times`` (n,) are those of the frames [s], ``palms`` where each truly is, (n, 3) [m],
+    ``camera_at`` where the camera stands, (3,) [m]; ``moving`` are objects that do not rest.
     """
     step = float(times[1] - times[0])
-    seen, lost = {}, {}
+    measured, lost = {}, {}
     for hand, points in palms.items():
-        seen[hand] = measure_points(points, camera_at, camera, random)
+        measured[hand] = measure_points(points, camera_at, camera, random)
         speed = np.linalg.norm(np.gradient(points, step, axis=0), axis=1)
         chance = camera.lost * (1.0 + (camera.moving_lost - 1.0) * np.minimum(speed, 1.5))
         lost[hand] = lose(chance, camera.lost_for, random)
@@ -178,7 +166,7 @@ def film(
     for k, t in enumerate(times.tolist()):
         hands: dict[str, Any] = {
             hand: None if lost[hand][k] else {"position": points[k]}
-            for hand, points in seen.items()
+            for hand, points in measured.items()
         }
         _mislabel(hands, camera, random)
         objects: dict[str, Any] = {}
@@ -190,7 +178,7 @@ def film(
     return messages
 
 
-def _mislabel(hands: dict[str, Any], camera: Camera, random: np.random.Generator) -> None:
+def _mislabel(hands: dict[str, Any], camera: CameraParameters, random: np.random.Generator) -> None:
     """Now and then swap the labels of the hands, or give one hand both."""
     if len(hands) != 2:
         return

@@ -8,57 +8,43 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from igrip.lab.simulation import parameters
+from igrip.lab.simulation.minimum_jerk import Array
+from igrip.lab.simulation.parameters import ProtocolParameters
+from igrip.objects.catalog import PAPER_OBJECTS, Catalog
 from igrip.objects.model import ObjectModel
 
-Array = NDArray[np.float64]
 
-
-class Gap(Protocol):
-    """How far a palm is from what it grasps."""
+class GraspGap(Protocol):
+    """Distance of a palm from what it grasps."""
 
     @property
     def palm_to_body(self) -> float:
-        """From the surface, in a palmar grasp [m]."""
-        ...
+        """To the surface, in a palmar grasp [m]."""
 
     @property
     def palm_to_top(self) -> float:
-        """Over the top, in a pinch [m]."""
-        ...
+        """To the top, in a pinch [m]."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """Objects that stand upright on the plane z = 0.
-
-    Attributes
-    ----------
-    models : mapping of str to ObjectModel
-        By id.
-    places : mapping of str to (3,)
-        Origin of each mesh [m].
-    yaws : mapping of str to float
-        How each is turned about the vertical [rad].
-    """
+    """Objects, by id, that stand upright on the plane z = 0."""
 
     models: Mapping[str, ObjectModel]
-    places: Mapping[str, Array]
-    yaws: Mapping[str, float]
+    places: Mapping[str, Array]  # origin of each mesh, (3,) [m]
+    yaws: Mapping[str, float]  # about the vertical [rad]
 
     def rotation(self, id: str) -> Array:
         """Return world-from-mesh of an object, shape (3, 3)."""
-        c, s = math.cos(self.yaws[id]), math.sin(self.yaws[id])
-        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return yaw_rotation(self.yaws[id])
 
     def middle(self, id: str) -> Array:
         """Return the mid-point of an object's cylinder, shape (3,) [m]."""
         point: Array = self.places[id] + self.rotation(id) @ self.models[id].origin
         return point
 
-    def grasp_point(self, id: str, grip: str, hand: Array, gap: Gap) -> Array:
+    def grasp_point(self, id: str, grip: str, hand: Array, gap: GraspGap) -> Array:
         """Return where the palm is at the end of a reach from ``hand``, shape (3,) [m].
 
         A palmar grip ends beside the body at mid-height, on the side of the hand; a pinch above
@@ -76,14 +62,38 @@ class Table:
         return beside
 
 
+def object_ids() -> list[str]:
+    """Return the ids of the paper's objects in the recordings."""
+    return [name.split("_")[-2] for name in PAPER_OBJECTS]
+
+
+def models_by_id(catalog: Catalog) -> dict[str, ObjectModel]:
+    """Return the paper's objects."""
+    return {id: catalog[name] for id, name in zip(object_ids(), PAPER_OBJECTS, strict=True)}
+
+
+def yaw_rotation(yaw: float) -> Array:
+    """Return a turn about the vertical [rad], shape (3, 3)."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def stand_at(model: ObjectModel, spot: Array, yaw: float) -> Array:
+    """Return the origin, (3,) [m], of an upright mesh with its middle over a spot (2,) [m]."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    x, y = model.origin[:2]
+    lowest = float(model.vertices[:, 2].min())
+    return np.array([spot[0] - (c * x - s * y), spot[1] - (s * x + c * y), -lowest])
+
+
 def set_table(
-    models: Mapping[str, ObjectModel], protocol: parameters.Protocol, random: np.random.Generator
+    models: Mapping[str, ObjectModel], protocol: ProtocolParameters, random: np.random.Generator
 ) -> Table:
     """Place objects at random between the hands' rest and the screen, not too close together."""
+    half = 0.5 * protocol.table_width
     while True:
         spots: list[Array] = []
         for _ in range(200 * len(models)):
-            half = 0.5 * protocol.table_width
             spot = random.uniform([-half, protocol.table_near], [half, protocol.table_far])
             if all(np.linalg.norm(spot - other) >= protocol.separation for other in spots):
                 spots.append(spot)
@@ -91,11 +101,9 @@ def set_table(
                 break
         else:
             continue  # an unlucky beginning: there is no room left; begin anew
-        places, yaws = {}, {}
-        for (id, model), spot in zip(models.items(), spots, strict=True):
-            yaws[id] = float(random.uniform(-math.pi, math.pi))
-            c, s = math.cos(yaws[id]), math.sin(yaws[id])
-            x, y = model.origin[:2]
-            lowest = float(model.vertices[:, 2].min())
-            places[id] = np.array([spot[0] - (c * x - s * y), spot[1] - (s * x + c * y), -lowest])
+        yaws = {id: float(random.uniform(-math.pi, math.pi)) for id in models}
+        places = {
+            id: stand_at(model, spot, yaws[id])
+            for (id, model), spot in zip(models.items(), spots, strict=True)
+        }
         return Table(models, places, yaws)

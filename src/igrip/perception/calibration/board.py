@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.perception.cameras import CameraError
+from igrip.perception.opencv import load_opencv
+from igrip.perception.tag_detector import TagDetector
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
-FAMILY = "tag36h11"  # AprilTag 3; Krogius, Haggenmiller & Olson 2019
+FAMILY = "tag36h11"
 CELLS = 8  # across a tag, black border and all
 MARGIN = 0.018  # m of white round the board on its page
-MIN_MARGIN = 20.0  # of a detection's decision; sharp tags have 50 to 150; guess
 
 
 class Board(Settings):
@@ -53,8 +51,8 @@ class Board(Settings):
     def corners(self, id: int) -> Array:
         """Return the corners of a tag in the world, shape (4, 3) [m].
 
-        Top right, top left, bottom left, bottom right: the order in which the detector finds those
-        of a tag that is printed as OpenCV draws it.
+        Top right, top left, bottom left, bottom right: the detector's order for tags that are
+        printed as OpenCV draws them (:class:`igrip.perception.tag_detector.TagDetection`).
         """
         row, column = divmod(id - self.first, self.columns)
         width, height = self.extent
@@ -64,13 +62,7 @@ class Board(Settings):
         return np.array([[right, top, 0], [left, top, 0], [left, bottom, 0], [right, bottom, 0]])
 
     def svg(self) -> str:
-        """Return its picture at its true size, to be printed without scaling.
-
-        Raises
-        ------
-        CameraError
-            If OpenCV, which knows the patterns, is not installed.
-        """
+        """Return its picture at its true size, to be printed without scaling."""
         width, height = (1000 * (length + 2 * MARGIN) for length in self.extent)
         cell = 1000 * self.tag_size / CELLS
         squares = []
@@ -82,7 +74,7 @@ class Board(Settings):
             squares.append(_square(x0, y0, size, size, "black"))
             for j, i in np.argwhere(pattern(id) > 0):
                 squares.append(_square(x0 + i * cell, y0 + j * cell, cell, cell, "white"))
-        words = (
+        caption = (
             f"igrip board: {self.columns} × {self.rows} {FAMILY}, tags of "
             f"{1000 * self.tag_size:g} mm; print at 100 % and measure a black square"
         )
@@ -92,7 +84,7 @@ class Board(Settings):
             f'shape-rendering="crispEdges">\n{_square(0, 0, width, height, "white")}\n'
             + "\n".join(squares)
             + f'\n<text x="{width / 2:.2f}" y="{height - 6:.2f}" font-size="4" '
-            f'text-anchor="middle" font-family="sans-serif">{words}</text>\n</svg>\n'
+            f'text-anchor="middle" font-family="sans-serif">{caption}</text>\n</svg>\n'
         )
 
 
@@ -104,50 +96,18 @@ def _square(x: float, y: float, width: float, height: float, colour: str) -> str
 
 def pattern(id: int, cell: int = 1) -> NDArray[np.uint8]:
     """Return the picture of a tag, each of its 8 × 8 cells so many pixels wide; 0 is black."""
-    try:
-        import cv2
-    except ImportError:
-        raise CameraError("drawing tags needs OpenCV: pip install opencv-python-headless") from None
-    known = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
-    return np.asarray(cv2.aruco.generateImageMarker(known, id, CELLS * cell))
+    cv2 = load_opencv("drawing tags")
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
+    return np.asarray(cv2.aruco.generateImageMarker(dictionary, id, CELLS * cell))
 
 
-class CornerFinder:
-    """Finds the corners of a board's tags in pictures.
-
-    Raises
-    ------
-    CameraError
-        If the detector is not installed.
-    """
+class BoardDetector:
+    """Finds the corners of a board's tags in pictures."""
 
     def __init__(self, board: Board) -> None:
-        try:
-            from pupil_apriltags import Detector
-        except ImportError:
-            raise CameraError(
-                "calibration needs the package pupil-apriltags: pip install 'igrip[poses]'"
-            ) from None
+        self._ids = board.ids
+        self._detector = TagDetector(FAMILY, decimate=1.0)
 
-        class Kept(Detector):  # type: ignore[misc]
-            """Never freed: the package frees by pointers cut to 32 bits, which may crash."""
-
-            def __del__(self) -> None: ...
-
-        self._board = board
-        self._detector: Any = Kept(families=FAMILY, quad_decimate=1.0)
-
-    def find(self, frame: RgbdFrame) -> dict[int, Array]:
+    def detect(self, frame: RgbdFrame) -> dict[int, Array]:
         """Return the corners of each tag, shape (4, 2), in the order of the board's [pixels]."""
-        grey = np.round(frame.colour @ (0.299, 0.587, 0.114)).astype(np.uint8)  # ITU-R BT.601
-        found: dict[int, Array] = {}
-        twice = set()
-        for tag in self._detector.detect(grey):
-            sure = not tag.hamming and tag.decision_margin >= MIN_MARGIN
-            if not sure or tag.tag_id not in self._board.ids:
-                continue
-            if tag.tag_id in found:
-                twice.add(tag.tag_id)
-            # the detector counts from the edge of the first pixel, frames from its middle
-            found[tag.tag_id] = np.asarray(tag.corners, np.float64) - 0.5
-        return {id: corners for id, corners in found.items() if id not in twice}
+        return {tag.id: tag.corners for tag in self._detector.detect(frame) if tag.id in self._ids}

@@ -6,18 +6,30 @@ import logging
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
-from igrip.perception.cameras import CameraError
+from igrip.errors import CameraError
+from igrip.perception.cameras._picture_check import OPEN_SHUTTER, PictureCheck, is_black
 from igrip.rgbd import RgbdFrame
 
 log = logging.getLogger(__name__)
 
 WAIT = 0.2  # s; a device is never waited for longer at a time, so that close() is soon done
-PATIENCE = 4.0  # s without a frame, after which a device is taken to be gone; guess
+PATIENCE = 4.0  # s without a new frame, after which a device is taken to have failed; guess
 AHEAD = 0.05  # s by which a frame may seem to come from the future; as GatingConfig's
-STRIDE = 8  # pixels between those by which two pictures are compared
 WARM_UP = 10.0  # s that the first frame may take; guess
+
+
+class Fault(NamedTuple):
+    """What a camera sends instead of new pictures, and what to do."""
+
+    what: str
+    advice: str
+
+
+RESTART = "unplug it, plug it in again, and start again"
+NO_PICTURE = Fault("no picture", "is it still plugged in, switched on, and used by nothing else?")
 
 
 class PolledCamera(ABC):
@@ -27,17 +39,25 @@ class PolledCamera(ABC):
     ----------
     name : str
         Kind and serial number; the ``camera`` of its frames.
-    note : str or None
-        What a user should know of its frames.
+    device_note : str or None
+        What a user should know of this device.
     """
 
     name: str = "camera"
-    note: str | None = None
+    device_note: str | None = None
+    clock: Callable[[], float] = staticmethod(time.monotonic)  # of the frames [s]
 
     def __init__(self) -> None:
         self._closing = threading.Event()
-        self._device = threading.Lock()  # held while the device is asked, or let go
+        self._device = threading.Lock()  # held while the device is asked, or released
         self._released = False
+        self._check = PictureCheck()
+
+    @property
+    def note(self) -> str | None:
+        """What a user should know of its frames just now."""
+        problem = self._check.note and f"{self.name}: {self._check.note}"
+        return "; ".join(note for note in (self.device_note, problem) if note) or None
 
     @abstractmethod
     def _next(self) -> RgbdFrame | None:
@@ -45,42 +65,59 @@ class PolledCamera(ABC):
 
     @abstractmethod
     def _release(self) -> None:
-        """Let the device go."""
+        """Release the device."""
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         last, patience = -1.0, WARM_UP
-        asked = time.monotonic()
-        before: tuple[bytes, bytes] | None = None
+        waiting_since = arrived = self.clock()
+        fault = NO_PICTURE
         while True:
             with self._device:
                 if self._closing.is_set():
                     return
                 try:
                     frame = self._next()
-                except CameraError:
-                    raise
                 except Exception as error:  # whatever a vendor's library raises
+                    if self._closing.is_set():
+                        return  # closed meanwhile: it was meant to stop
+                    if isinstance(error, CameraError):
+                        raise
                     raise CameraError(
                         f"{self.name} has stopped ({error}); is it still plugged in?"
                     ) from error
-            now = time.monotonic()
-            # a clock that was set back must not turn time round, one that was set ahead not mute
-            # the camera, and a buffer that is sent again not pass for a new picture
-            if frame is not None and last < frame.t <= now + AHEAD:
-                seen = _trace(frame)
-                if seen != before:
-                    last, patience, before, asked = frame.t, PATIENCE, seen, now
+            now = self.clock()
+            if frame is not None:
+                arrived = now
+                found = self._fault(frame, last, now)
+                if found is None:
+                    last, patience = frame.t, PATIENCE
+                    self._check.update(frame)
                     yield frame
-                    asked = time.monotonic()
+                    waiting_since = self.clock()
                     continue
-            if now - asked > patience:
-                raise CameraError(
-                    f"{self.name} sent no new picture for {patience:.0f} s; is it still plugged in,"
-                    " and does nothing else use it?"
-                )
+                fault = found
+            if now - waiting_since > patience:
+                what, advice = fault if now - arrived < 0.5 * patience else NO_PICTURE
+                raise CameraError(f"for {patience:g} s {self.name} has sent {what}; {advice}")
+
+    def _fault(self, frame: RgbdFrame, last: float, now: float) -> Fault | None:
+        """Return why a frame cannot be used; None: it can.
+
+        A clock that was set back must not turn time round, one that was set ahead not mute the
+        camera, and a buffer that is sent again not pass for a new picture.
+        """
+        if frame.t > now + AHEAD:
+            return Fault(f"pictures dated {frame.t - now:.1f} s in the future", RESTART)
+        if frame.t <= last:
+            return Fault("pictures whose time does not increase", RESTART)
+        if self._check.is_new(frame):
+            return None
+        if is_black(frame.colour):
+            return Fault("black pictures only", f"{OPEN_SHUTTER}, then start again")
+        return Fault("the same picture again and again", RESTART)
 
     def close(self) -> None:
-        """Let the device go; a waiting iteration ends."""
+        """Release the device; a waiting iteration ends."""
         self._closing.set()
         with self._device:
             if not self._released:
@@ -89,9 +126,3 @@ class PolledCamera(ABC):
                     self._release()
                 except Exception as error:  # it may be gone already, which is what is wanted
                     log.warning(f"{self.name}: {error}")
-
-
-def _trace(frame: RgbdFrame) -> tuple[bytes, bytes]:
-    """Return some pixels, which noise alone makes differ from one picture to the next."""
-    depth = b"" if frame.depth is None else frame.depth[::STRIDE, ::STRIDE].tobytes()
-    return frame.colour[::STRIDE, ::STRIDE].tobytes(), depth

@@ -6,34 +6,26 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from igrip.perception.cameras import Camera, CameraError
+from igrip.errors import CameraError
+from igrip.perception.cameras import Camera
 from igrip.rgbd import Array, RgbdFrame
+from igrip.runtime.mailbox import Mailbox
 
 
 class SeveralCameras:
     """Yields the frames of some cameras as they come, those of each in order of time.
 
     Nothing queues up: while the reader is busy, a newer frame of a camera replaces the one that
-    waits. If one camera fails, iterating raises its error.
-
-    Parameters
-    ----------
-    cameras : sequence of Camera
-        Open, and closed by :meth:`close`.
-
-    Attributes
-    ----------
-    dropped : int
-        How many frames were replaced before they were read.
+    waits. If one camera fails, iterating raises its error. The cameras are open, and closed by
+    :meth:`close`.
     """
 
     def __init__(self, cameras: Sequence[Camera]) -> None:
         self._cameras = tuple(cameras)
-        self.dropped = 0
-        self._changed = threading.Condition()
-        self._waiting: dict[str, RgbdFrame] = {}  # by camera, the longest waiting first
+        self._frames: Mailbox[RgbdFrame] = Mailbox()
         self._errors: list[BaseException] = []
-        self._running = 0
+        self._running = len(self._cameras)
+        self._lock = threading.Lock()
         self._closed = False
         self._threads: list[threading.Thread] = []
 
@@ -43,56 +35,51 @@ class SeveralCameras:
         notes = [getattr(camera, "note", None) for camera in self._cameras]
         return "; ".join(note for note in notes if note) or None
 
+    @property
+    def dropped(self) -> int:
+        """How many frames were replaced before they were read."""
+        return self._frames.replaced
+
     def __iter__(self) -> Iterator[RgbdFrame]:
-        with self._changed:
+        with self._lock:
             if self._threads:
                 raise CameraError("cameras can be iterated once")
-            self._running = len(self._cameras)
             self._threads = [
-                threading.Thread(target=self._watch, args=(camera,), daemon=True)
+                threading.Thread(target=self._read, args=(camera,), daemon=True)
                 for camera in self._cameras
             ]
         for thread in self._threads:
             thread.start()
         while True:
-            with self._changed:
-                self._changed.wait_for(
-                    lambda: self._waiting or self._errors or self._closed or not self._running,
-                    timeout=0.5,  # Ctrl-C cannot end a wait everywhere
-                )
-                if self._closed:
-                    return
-                if self._errors:
-                    raise self._errors[0]
-                if not self._waiting:
-                    if self._running:
-                        continue
-                    return
-                frame = self._waiting.pop(next(iter(self._waiting)))
-            yield frame
+            frame = self._frames.get(timeout=0.5)  # Ctrl-C cannot end a longer wait everywhere
+            if self._closed:
+                return
+            if self._errors:
+                raise self._errors[0]
+            if frame is not None:
+                yield frame
+            elif self._frames.finished:
+                return
 
-    def _watch(self, camera: Camera) -> None:
+    def _read(self, camera: Camera) -> None:
         try:
             for frame in camera:
-                with self._changed:
-                    if self._closed:
-                        return
-                    self.dropped += frame.camera in self._waiting
-                    self._waiting[frame.camera] = frame  # keeps its place in the row
-                    self._changed.notify()
+                if self._closed:
+                    return
+                self._frames.put(frame, frame.camera)
         except BaseException as error:
-            with self._changed:
-                self._errors.append(error)
+            self._errors.append(error)
+            self._frames.close()
         finally:
-            with self._changed:
+            with self._lock:
                 self._running -= 1
-                self._changed.notify()
+                if not self._running:
+                    self._frames.close()
 
     def close(self) -> None:
         """Close all of them; a waiting iteration ends."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify_all()
+        self._closed = True
+        self._frames.close()
         for camera in self._cameras:
             camera.close()
         for thread in self._threads:
@@ -101,18 +88,13 @@ class SeveralCameras:
 
 
 class PlacedCamera:
-    """A camera, or several, whose frames say where they were taken from.
+    """An open camera, or several, whose frames say where they were taken from.
 
-    Parameters
-    ----------
-    camera : Camera
-        Open.
-    places : mapping of str to (4, 4)
-        ``world_from_camera`` by the name of the camera.
+    ``poses`` are ``world_from_camera``, (4, 4), by the name of the camera.
     """
 
-    def __init__(self, camera: Camera, places: Mapping[str, Array]) -> None:
-        self._camera, self._places = camera, places
+    def __init__(self, camera: Camera, poses: Mapping[str, Array]) -> None:
+        self._camera, self._poses = camera, poses
 
     @property
     def note(self) -> str | None:
@@ -122,14 +104,14 @@ class PlacedCamera:
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         for frame in self._camera:
-            place = self._places.get(frame.camera)
-            if place is None:
+            pose = self._poses.get(frame.camera)
+            if pose is None:
                 raise CameraError(
                     f"where {frame.camera} stands is not known, only "
-                    f"{', '.join(self._places) or 'nothing'}: igrip calibrate"
+                    f"{', '.join(self._poses) or 'nothing'}: igrip calibrate"
                 )
-            yield replace(frame, world_from_camera=place)
+            yield replace(frame, world_from_camera=pose)
 
     def close(self) -> None:
-        """Let the device go."""
+        """Release the device."""
         self._camera.close()

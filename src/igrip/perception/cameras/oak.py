@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from igrip.perception.cameras import CAMERAS, CameraError, read_options
+from igrip.errors import CameraError, requires_extra
+from igrip.perception.cameras import CAMERAS
+from igrip.perception.cameras._options import split_options
 from igrip.perception.cameras._polled import WAIT, PolledCamera
 from igrip.rgbd import Intrinsics, RgbdFrame
 
@@ -23,27 +25,17 @@ PLUG_IN = (
 
 
 def load_depthai() -> Any:
-    """Return the module, with its telemetry off.
-
-    Raises
-    ------
-    CameraError
-        If it is not installed.
-    """
+    """Return the module, with its telemetry off."""
     os.environ["DEPTHAI_TELEMETRY"] = "0"  # before the import: it reports to its vendor otherwise
-    try:
+    with requires_extra("depthai", "oak", "an OAK camera"):
         import depthai
-    except ImportError:
-        raise CameraError(
-            "OAK cameras need the package depthai: pip install 'igrip[oak]'"
-        ) from None
     return depthai
 
 
 @CAMERAS.register("oak")
 def open_oak(rest: str) -> OakCamera:
     """Open ``oak``, ``oak:ID`` (or its IP address) or ``oak:ID?size=1280x720&fps=30``."""
-    device, options = read_options(rest, DEFAULTS)
+    device, options = split_options(rest, DEFAULTS)
     return OakCamera(device, **options)
 
 
@@ -63,16 +55,9 @@ class OakCamera(PolledCamera):
         Width and height [pixels]; the width a multiple of 16, as the device asks.
     fps : float
         Frames a second.
-
-    Raises
-    ------
-    CameraError
-        If depthai or the device is missing, or it has no stereo pair.
     """
 
-    def __init__(
-        self, device: str = "", size: tuple[int, int] = (1280, 720), fps: float = 30.0
-    ) -> None:
+    def __init__(self, device: str, size: tuple[int, int], fps: float) -> None:
         super().__init__()
         if size[0] % 16:
             raise CameraError(f"size: an OAK needs a width that is a multiple of 16, not {size[0]}")
@@ -165,20 +150,10 @@ def clock_offset(dai: Any) -> float:
 
 
 def frame_of(dai: Any, group: Any, name: str, offset: float, fallback: Any) -> RgbdFrame:
-    """Return the frame of a pair of pictures.
+    """Return the frame of a pair of pictures, a ``depthai.MessageGroup``.
 
-    Parameters
-    ----------
-    dai : module
-        depthai.
-    group : depthai.MessageGroup
-        The pair.
-    name : str
-        Of the camera.
-    offset : float
-        Of its times from the monotonic clock [s].
-    fallback : function
-        Gives the camera matrix of a width and height, where the picture does not tell its own.
+    ``offset`` is that of its times from the monotonic clock [s]; ``fallback`` gives the camera
+    matrix of a width and height, where the picture has none of its own.
     """
     picture, far = group[COLOUR], group[DEPTH]
     colour = np.array(picture.getFrame(), np.uint8)
@@ -186,9 +161,10 @@ def frame_of(dai: Any, group: Any, name: str, offset: float, fallback: Any) -> R
     counts = np.asarray(far.getFrame())
     if counts.shape != (height, width):
         raise CameraError(f"{name}: depth of {counts.shape[1]} × {counts.shape[0]} is not aligned")
-    told = picture.getTransformation()
-    own = told is not None and told.isValid() and tuple(told.getSize()) == (width, height)
-    k = np.asarray(told.getIntrinsicMatrix() if own else fallback(width, height))
+    transform = picture.getTransformation()
+    own = transform is not None and transform.isValid()
+    own = own and tuple(transform.getSize()) == (width, height)
+    k = np.asarray(transform.getIntrinsicMatrix() if own else fallback(width, height))
     if not k[0, 0] > 0.0:
         k = np.asarray(fallback(width, height))
     exposed = picture.getTimestamp(dai.CameraExposureOffset.MIDDLE).total_seconds()

@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 
-from igrip.perception.calibration.lens import load_cv2
-from igrip.perception.cameras import CAMERAS, CameraError, read_options
+from igrip.errors import CameraError, requires_extra
+from igrip.perception.cameras import CAMERAS
+from igrip.perception.cameras._options import split_options
 from igrip.perception.cameras._polled import WAIT, PolledCamera
+from igrip.perception.opencv import load_opencv
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 DEFAULTS: dict[str, Any] = {"size": (1280, 720), "depth": (848, 480), "fps": 30.0}
@@ -18,26 +21,16 @@ STEP = 8  # pixels between two places where the lens is computed; it bends slowl
 
 
 def load_realsense() -> Any:
-    """Return the module.
-
-    Raises
-    ------
-    CameraError
-        If it is not installed.
-    """
-    try:
+    """Return the module."""
+    with requires_extra("pyrealsense2", "realsense", "a RealSense camera"):
         import pyrealsense2
-    except ImportError:
-        raise CameraError(
-            "RealSense cameras need the package pyrealsense2: pip install 'igrip[realsense]'"
-        ) from None
     return pyrealsense2
 
 
 @CAMERAS.register("realsense")
 def open_realsense(rest: str) -> RealSenseCamera:
     """Open ``realsense``, or ``realsense:SERIAL?size=1280x720&depth=848x480&fps=30``."""
-    serial, options = read_options(rest, DEFAULTS)
+    serial, options = split_options(rest, DEFAULTS)
     return RealSenseCamera(serial, **options)
 
 
@@ -52,19 +45,10 @@ class RealSenseCamera(PolledCamera):
         Width and height of the colour picture, and of depth before it is aligned [pixels].
     fps : float
         Frames a second.
-
-    Raises
-    ------
-    CameraError
-        If pyrealsense2 or the device is missing, or it has no such sizes.
     """
 
     def __init__(
-        self,
-        serial: str = "",
-        size: tuple[int, int] = (1280, 720),
-        depth: tuple[int, int] = (848, 480),
-        fps: float = 30.0,
+        self, serial: str, size: tuple[int, int], depth: tuple[int, int], fps: float
     ) -> None:
         super().__init__()
         rs = load_realsense()
@@ -96,7 +80,7 @@ class RealSenseCamera(PolledCamera):
     def _next(self) -> RgbdFrame | None:
         there, pair = self._pipeline.try_wait_for_frames(round(WAIT * 1000))
         frame = self._frames.convert(pair) if there else None
-        self.note = self._frames.note
+        self.device_note = self._frames.note
         return frame
 
     def _release(self) -> None:
@@ -104,16 +88,9 @@ class RealSenseCamera(PolledCamera):
 
 
 class Converter:
-    """Aligns, rectifies and dates what a RealSense sends.
+    """Aligns, rectifies and time-stamps what a RealSense sends.
 
-    Parameters
-    ----------
-    rs : module
-        pyrealsense2.
-    name : str
-        Of the camera.
-    scale : float
-        What one count of depth means [m].
+    ``rs`` is the module, ``name`` that of the camera, and ``scale`` one count of depth [m].
     """
 
     def __init__(self, rs: Any, name: str, scale: float) -> None:
@@ -137,31 +114,31 @@ class Converter:
         picture, far = aligned.get_color_frame(), aligned.get_depth_frame()
         if not picture or not far:
             return None
-        told = picture.get_profile().as_video_stream_profile().get_intrinsics()
+        lens = picture.get_profile().as_video_stream_profile().get_intrinsics()
         colour = np.array(picture.get_data(), np.uint8)
         depth = np.asarray(far.get_data()).astype(np.float32) * np.float32(self._scale)
-        own = Intrinsics(told.width, told.height, told.fx, told.fy, told.ppx, told.ppy)
-        if any(told.coeffs):
-            colour, depth = self._rectified(colour, depth, told)
+        own = Intrinsics(lens.width, lens.height, lens.fx, lens.fy, lens.ppx, lens.ppy)
+        if any(lens.coeffs):
+            colour, depth = self._rectified(colour, depth, lens)
         return RgbdFrame(t, colour, depth, own, self._name)
 
     def _time(self, picture: Any) -> float:
         """Return when a picture was taken on the host's monotonic clock [s]."""
         if picture.get_frame_timestamp_domain() == self._rs.timestamp_domain.hardware_clock:
-            self.note = f"{self._name} does not tell the time of exposure: that of arrival is taken"
+            self.note = f"{self._name} has no time of exposure; the time of arrival is used"
             return time.monotonic()
         # on the host's wall clock, which the device's is kept in step with
         ago = time.time() - float(picture.get_timestamp()) / 1000.0
         return time.monotonic() - ago
 
     def _rectified(
-        self, colour: NDArray[np.uint8], depth: NDArray[np.float32], told: Any
+        self, colour: NDArray[np.uint8], depth: NDArray[np.float32], lens: Any
     ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
         """Return the pictures of a camera without distortion and with the same matrix."""
-        cv2 = load_cv2()
-        key = (told.width, told.height, told.fx, told.fy, told.ppx, told.ppy, *told.coeffs)
+        cv2 = load_opencv("taking distortion out")
+        key = (lens.width, lens.height, lens.fx, lens.fy, lens.ppx, lens.ppy, *lens.coeffs)
         if self._lens is None or self._lens[0] != key:
-            self._lens = key, lens_map(self._rs, told)
+            self._lens = key, lens_map(self._rs, lens)
         maps = self._lens[1]
         return (
             np.asarray(cv2.remap(colour, *maps, cv2.INTER_LINEAR)),
@@ -169,34 +146,15 @@ class Converter:
         )
 
 
-def lens_map(rs: Any, told: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return where each pixel of a rectified picture lies in a distorted one.
+def lens_map(rs: Any, lens: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return in which column and row of a distorted picture each pixel of a rectified one lies.
 
-    Computed by the vendor's own function at every eighth pixel, and linear in between.
-
-    Returns
-    -------
-    (h, w) float32, twice
-        Columns and rows [pixels].
+    Computed by the vendor's own function at every eighth pixel, and linear in between; each (h, w).
     """
-    us = np.arange(0, told.width + STEP, STEP)
-    vs = np.arange(0, told.height + STEP, STEP)
-    coarse = np.array(
-        [
-            [
-                rs.rs2_project_point_to_pixel(
-                    told, [(u - told.ppx) / told.fx, (v - told.ppy) / told.fy, 1.0]
-                )
-                for u in us
-            ]
-            for v in vs
-        ]
-    )  # (rows, columns, 2)
-    across = np.arange(told.width) / STEP
-    down = np.arange(told.height) / STEP
-    i, j = across.astype(int), down.astype(int)
-    a, b = (across - i)[None, :, None], (down - j)[:, None, None]
-    top = coarse[j][:, i] * (1 - a) + coarse[j][:, i + 1] * a
-    bottom = coarse[j + 1][:, i] * (1 - a) + coarse[j + 1][:, i + 1] * a
-    fine = (top * (1 - b) + bottom * b).astype(np.float32)
-    return np.ascontiguousarray(fine[..., 0]), np.ascontiguousarray(fine[..., 1])
+    us = np.arange(0, lens.width + STEP, STEP)
+    vs = np.arange(0, lens.height + STEP, STEP)
+    rays = [[[(u - lens.ppx) / lens.fx, (v - lens.ppy) / lens.fy, 1.0] for u in us] for v in vs]
+    coarse = np.array([[rs.rs2_project_point_to_pixel(lens, ray) for ray in row] for row in rays])
+    places = np.mgrid[: lens.height, : lens.width] / STEP
+    u, v = (map_coordinates(coarse[..., k], places, order=1) for k in range(2))
+    return u.astype(np.float32), v.astype(np.float32)

@@ -1,4 +1,4 @@
-"""``rendered:SEED``: a camera that is not there, before a person who is not there either."""
+"""``rendered:SEED``: a simulated camera before a simulated person, for trying things out."""
 
 from __future__ import annotations
 
@@ -9,19 +9,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from igrip.errors import CameraError
+from igrip.lab.rendering.drawn_hand import OPEN_HAND, draw_hand, paste_hand
 from igrip.lab.rendering.filmed_reach import film_reach
 from igrip.lab.rendering.scene import RenderedScene
-from igrip.lab.rendering.sprites import FLAT, draw_hand, place
 from igrip.objects.catalog import load_objects
-from igrip.perception.cameras import CAMERAS, Camera, CameraError
+from igrip.perception.cameras import CAMERAS, Camera
+from igrip.perception.opencv import load_opencv
 from igrip.rgbd import RgbdFrame
 
 RATE = 30.0  # frames a second, at most
-STILLS = 8  # pictures of the table with noise of their own, by turns: making one takes a while
+STILLS = 8  # pictures of the table that take turns, each with its own noise: one takes a while
 
 
 @CAMERAS.register("rendered")
-def _rendered(rest: str) -> Camera:
+def open_rendered(rest: str) -> Camera:
+    """Open ``rendered`` or ``rendered:SEED``."""
     try:
         seed = int(rest or "0")
     except ValueError:
@@ -34,15 +37,7 @@ def _rendered(rest: str) -> Camera:
 class RenderedCamera:
     """The paper's four objects on a table; a drawn hand reaches for one, goes back, and again.
 
-    Parameters
-    ----------
-    seed : int
-        Of the table, the person and the noise.
-
-    Raises
-    ------
-    CameraError
-        If OpenCV is not installed, which draws the hand.
+    ``seed`` chooses the table, the person and the noise.
     """
 
     def __init__(self, seed: int = 0) -> None:
@@ -51,13 +46,9 @@ class RenderedCamera:
         self._palms = self._film.palms()
         self._stills = [self.scene.frame(0.0, self._random) for _ in range(STILLS)]
         self._turn = 0
+        load_opencv("the rendered camera")
         mirror = 1.0 if self._film.task.hand == "right" else -1.0
-        try:
-            self._hand = draw_hand(FLAT * [mirror, 1.0])
-        except ImportError as error:
-            raise CameraError("the rendered camera needs OpenCV: pip install 'igrip[hands]'") from (
-                error
-            )
+        self._hand = draw_hand(OPEN_HAND * [mirror, 1.0])
         self._closed = threading.Event()
 
     @property
@@ -74,14 +65,9 @@ class RenderedCamera:
             yield self.frame(now, now - begin)
 
     def frame(self, t: float, elapsed: float | None = None) -> RgbdFrame:
-        """Return the frame of a moment: the reach forth, then the same way back.
+        """Return the frame of time ``t`` [s]: the reach forth, then the same way back.
 
-        Parameters
-        ----------
-        t : float
-            Its time [s].
-        elapsed : float, optional
-            Time since the hand began; by default ``t`` [s].
+        ``elapsed`` is the time since the hand began, by default ``t`` [s].
         """
         last = len(self._palms) - 1
         k = int((t if elapsed is None else elapsed) * RATE + 1e-6) % (2 * last)
@@ -89,7 +75,7 @@ class RenderedCamera:
         self._turn += 1
         frame = replace(self._stills[self._turn % STILLS], t=t)
         x, y = frame.intrinsics.pixels(palm[None])[0].tolist()
-        return place(frame, self._hand, (x, y), float(palm[2]), np.pi)[0]
+        return paste_hand(frame, self._hand, (x, y), float(palm[2]), np.pi)[0]
 
     def close(self) -> None:
         """End the iteration."""

@@ -9,10 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from igrip.errors import RecordingError
-from igrip.io.recordings.mcap_writer import McapReader
-from igrip.perception.calibration.lens import Lens, load_cv2
-from igrip.perception.cameras import CAMERAS, CameraError, read_options
+from igrip.errors import CameraError, RecordingError
+from igrip.io.mcap.reader import McapReader
+from igrip.perception.cameras import CAMERAS
+from igrip.perception.cameras._options import split_options
+from igrip.perception.lens import Rectifier
+from igrip.perception.opencv import load_opencv
 from igrip.rgbd import RgbdFrame
 
 DEFAULTS: dict[str, Any] = {"speed": 1.0, "loop": False, "fov": 0.0, "intrinsics": ""}
@@ -22,7 +24,7 @@ VIDEOS = (".mp4", ".avi", ".mkv", ".mov", ".webm")
 @CAMERAS.register("replay")
 def open_replay(rest: str) -> ReplayCamera:
     """Open ``replay:FILE.mcap``, ``replay:FILE?speed=0`` or ``replay:VIDEO?fov=65&loop=1``."""
-    path, options = read_options(rest, DEFAULTS)
+    path, options = split_options(rest, DEFAULTS)
     return ReplayCamera(path, **options)
 
 
@@ -40,21 +42,11 @@ class ReplayCamera:
     loop : bool
         Whether to begin again at the end; time goes on.
     fov, intrinsics : float, str
-        Of a video; see :class:`igrip.perception.calibration.lens.Lens`.
-
-    Raises
-    ------
-    CameraError
-        If the file cannot be read.
+        Of a video; see :class:`igrip.perception.lens.Rectifier`.
     """
 
     def __init__(
-        self,
-        path: str | Path,
-        speed: float = 1.0,
-        loop: bool = False,
-        fov: float = 0.0,
-        intrinsics: str = "",
+        self, path: str | Path, speed: float, loop: bool, fov: float, intrinsics: str
     ) -> None:
         self.path = Path(path)
         self._speed, self._loop = speed, loop
@@ -62,11 +54,11 @@ class ReplayCamera:
         self._video = self.path.suffix.lower() in VIDEOS
         self.note: str | None = None
         if self._video:
-            self._lens = Lens(intrinsics, fov)
-            self.note = self._lens.note and f"{self.path.name}: {self._lens.note}"
+            self._rectifier = Rectifier(intrinsics, fov)
+            self.note = self._rectifier.note and f"{self.path.name}: {self._rectifier.note}"
             if not self.path.is_file():
                 raise CameraError(f"{self.path}: no such file")
-            load_cv2()
+            load_opencv("a video")
         elif self.path.suffix.lower() == ".mcap":
             try:
                 self._reader = McapReader(self.path)
@@ -100,25 +92,22 @@ class ReplayCamera:
             passed += last - first + (step or 1 / 30)
 
     def _frames(self) -> Iterator[RgbdFrame]:
-        if self._video:
-            yield from self._pictures()
-            return
         try:
-            yield from self._reader.frames()
+            yield from self._pictures() if self._video else self._reader.frames()
         except RecordingError as error:
             raise CameraError(str(error)) from error
 
     def _pictures(self) -> Iterator[RgbdFrame]:
-        cv2 = load_cv2()
+        cv2 = load_opencv("a video")
         capture = cv2.VideoCapture(str(self.path))
         try:
             fps = capture.get(cv2.CAP_PROP_FPS) or 30.0
             number = 0
             while True:
-                there, bgr = capture.read()
-                if not there:
+                read, bgr = capture.read()
+                if not read:
                     return
-                colour, own = self._lens.see(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB))
+                colour, own = self._rectifier.rectify(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB))
                 yield RgbdFrame(number / fps, colour, None, own, self.path.stem)
                 number += 1
         finally:

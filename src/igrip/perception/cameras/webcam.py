@@ -1,13 +1,16 @@
-"""Any camera that OpenCV opens: colour alone, for finders that need no depth."""
+"""Any camera that OpenCV opens: colour alone, for detectors that need no depth."""
 
 from __future__ import annotations
 
 import time
 from typing import Any
 
-from igrip.perception.calibration.lens import Lens, load_cv2
-from igrip.perception.cameras import CAMERAS, CameraError, read_options
+from igrip.errors import CameraError
+from igrip.perception.cameras import CAMERAS
+from igrip.perception.cameras._options import split_options
 from igrip.perception.cameras._polled import PolledCamera
+from igrip.perception.lens import Rectifier
+from igrip.perception.opencv import load_opencv
 from igrip.rgbd import RgbdFrame
 
 DEFAULTS: dict[str, Any] = {"size": (1280, 720), "fps": 30.0, "fov": 0.0, "intrinsics": ""}
@@ -16,7 +19,7 @@ DEFAULTS: dict[str, Any] = {"size": (1280, 720), "fps": 30.0, "fov": 0.0, "intri
 @CAMERAS.register("webcam")
 def open_webcam(rest: str) -> WebcamCamera:
     """Open ``webcam``, ``webcam:1?size=1280x720&fov=65`` or ``webcam:0?intrinsics=FILE``."""
-    which, options = read_options(rest, DEFAULTS)
+    which, options = split_options(rest, DEFAULTS)
     if which and not which.isdigit():
         raise CameraError(f"webcam:{which}: must be the number of a camera, such as webcam:0")
     return WebcamCamera(int(which or 0), **options)
@@ -36,27 +39,17 @@ class WebcamCamera(PolledCamera):
     fov : float
         Field of view across [degrees]; 0: not known.
     intrinsics : str
-        File of the intrinsics; see :class:`igrip.perception.calibration.lens.Lens`.
-
-    Raises
-    ------
-    CameraError
-        If OpenCV or the camera is missing.
+        File of the intrinsics; see :class:`igrip.perception.lens.read_lens`.
     """
 
     def __init__(
-        self,
-        number: int = 0,
-        size: tuple[int, int] = (1280, 720),
-        fps: float = 30.0,
-        fov: float = 0.0,
-        intrinsics: str = "",
+        self, number: int, size: tuple[int, int], fps: float, fov: float, intrinsics: str
     ) -> None:
         super().__init__()
-        self._cv2 = cv2 = load_cv2()
+        self._cv2 = cv2 = load_opencv("a webcam")
         self.name = f"webcam-{number}"
-        self._lens = Lens(intrinsics, fov)
-        self.note = self._lens.note and f"{self.name}: {self._lens.note}"
+        self._rectifier = Rectifier(intrinsics, fov)
+        self.device_note = self._rectifier.note and f"{self.name}: {self._rectifier.note}"
         self._capture = cv2.VideoCapture(number)
         if not self._capture.isOpened():
             self._capture.release()
@@ -77,7 +70,7 @@ class WebcamCamera(PolledCamera):
         there, bgr = self._capture.retrieve()
         if not there:
             return None
-        colour, own = self._lens.see(self._cv2.cvtColor(bgr, self._cv2.COLOR_BGR2RGB))
+        colour, own = self._rectifier.rectify(self._cv2.cvtColor(bgr, self._cv2.COLOR_BGR2RGB))
         return RgbdFrame(t, colour, None, own, self.name)
 
     def _release(self) -> None:

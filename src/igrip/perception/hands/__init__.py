@@ -1,4 +1,4 @@
-"""What a hand finder is: from a picture to the landmarks of the hands in it."""
+"""Hand detectors: from a picture to the landmarks of the hands in it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from igrip.registry import Registry
 from igrip.rgbd import RgbdFrame
 
+PALM = (0, 5, 17)  # wrist, roots of the index and the little finger; their mean is the palm centre
+
 
 class HandDetection(NamedTuple):
     """One hand in a picture.
@@ -20,9 +22,9 @@ class HandDetection(NamedTuple):
     landmarks : (21, 2)
         Pixels, in MediaPipe's order: 0 wrist, 5 root of the index finger, 17 of the little one.
     score : float
-        The finder's confidence, 0 to 1.
+        The detector's confidence, 0 to 1.
     label : str or None
-        ``left`` or ``right``, as the finder guesses; never a hand's identity.
+        ``left`` or ``right``, the detector's guess of the handedness; never a hand's identity.
     """
 
     landmarks: NDArray[np.float64]
@@ -31,17 +33,26 @@ class HandDetection(NamedTuple):
 
 
 class HandDetector(Protocol):
-    """Finds hands in pictures; keeps what it likes from one to the next of the same camera."""
+    """Detects hands in pictures; may remember those of each camera from frame to frame."""
 
-    def find(self, frame: RgbdFrame) -> list[HandDetection]:
+    def detect(self, frame: RgbdFrame) -> list[HandDetection]:
         """Return the hands in a frame, the surest first. Reads the colour picture alone."""
         ...
 
     def close(self) -> None:
-        """Let go of what it holds."""
+        """Release the networks."""
         ...
 
 
 HANDS: Registry[Callable[[], HandDetector]] = Registry(
     "hand detector", "igrip.perception.hands", "igrip.hands"
 )
+
+
+def palm_length(landmarks: NDArray[np.float64]) -> float:
+    """Return how long the palm of (21, 2) landmarks appears: wrist to knuckles [pixels]."""
+    wrist, index, little = landmarks[list(PALM)]
+    # a palm seen edge on is as broad as ever in one direction at least
+    return float(
+        max(np.linalg.norm(0.5 * (index + little) - wrist), np.linalg.norm(index - little))
+    )

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
-from types import TracebackType
 from typing import Any
 
 from igrip.errors import IgripError
 from igrip.observation import Observation
 from igrip.perception.cameras import Camera
-from igrip.perception.pipeline.merge import TICK, HandsFound, Merge, ObjectsFound
+from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects, Merger, Result
 from igrip.perception.pipeline.worker import Worker
 from igrip.rgbd import RgbdFrame
 from igrip.runtime.latency import LatencyMeter
+from igrip.runtime.loop import TICK
+from igrip.runtime.mailbox import Mailbox
 
-LAST = 5.0  # s that the last frames of a recording may take
-FindHands = Callable[[RgbdFrame], HandsFound]
-FindObjects = Callable[[RgbdFrame, HandsFound | None], ObjectsFound]
+MAX_WAIT = 5.0  # s that the last frames of a recording may take
+DetectHands = Callable[[RgbdFrame], DetectedHands]
+EstimatePoses = Callable[[RgbdFrame, DetectedHands | None], DetectedObjects]
 
 
 class Pipeline:
@@ -33,7 +33,7 @@ class Pipeline:
     camera : Camera
         Or several, which say in each frame whose it is.
     new_hands, new_objects : function or None
-        Called once for each camera; what they return is called with each of its frames that is
+        Called once for each camera. What they return is called with each of its frames that is
         worked on (and, for objects, the newest hands of that camera), and closed in the end if it
         has a ``close``.
     clock : function
@@ -45,172 +45,148 @@ class Pipeline:
         When the observations' times begin, on that clock [s].
     frames : LatencyMeter
         Ages of the frames as they come.
-    replaced : int
-        Results that newer ones replaced before they were merged.
 
     Raises
     ------
-    CameraError
-        While iterating, if the camera fails.
     IgripError
-        While iterating, if a stage fails for a second of frames in a row.
+        While iterating, if the camera fails, or a stage for a second of frames in a row.
     """
 
     def __init__(
-        self, camera: Camera, new_hands: Callable[[], FindHands] | None,
-        new_objects: Callable[[], FindObjects] | None, clock: Callable[[], float] = time.monotonic,
+        self, camera: Camera, new_hands: Callable[[], DetectHands] | None,
+        new_objects: Callable[[], EstimatePoses] | None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._camera, self._clock = camera, clock
         self._new_hands, self._new_objects = new_hands, new_objects
-        self._stages: dict[str, list[Worker[Any]]] = {}
-        self._results: deque[tuple[tuple[str, str], HandsFound | ObjectsFound]] = deque()
-        self._pictures: dict[str, HandsFound] = {}
-        self._finders: list[object] = []
-        self._change = threading.Condition()
+        self._workers: dict[str, list[Worker[Any]]] = {}
+        self._stages: list[object] = []
+        self._results: Mailbox[Result] = Mailbox()
+        self._latest_hands: dict[str, DetectedHands] = {}
+        self._lock = threading.Lock()
         self._error: Exception | None = None
-        self._over = False
         self.frames = LatencyMeter()
-        self.replaced = 0
         self.begin = clock()
-        self._merge = Merge(self.begin)
-        self._thread = threading.Thread(target=self._watch, name="igrip-camera", daemon=True)
+        self._merger = Merger(self.begin)
+        self._thread = threading.Thread(target=self._read_camera, name="igrip-camera", daemon=True)
 
     def __enter__(self) -> Pipeline:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
         self.join()
 
     def __iter__(self) -> Iterator[Observation]:
         self._thread.start()
         while True:
-            found = self._next(max(0.0, TICK - self._merge.silent(self._clock())))
+            result = self._results.get(max(0.0, TICK - self._merger.silence(self._clock())))
             if self._error is not None:
                 raise self._error
-            if found is not None:
-                yield self._merge.take(found, self._clock())
-            elif self._over:
+            if result is not None:
+                yield self._merger.observation(result, self._clock())
+            elif self._results.finished:
                 return
-            if self._merge.silent(self._clock()) >= TICK:
-                yield self._merge.tick(self._clock())
+            if self._merger.silence(self._clock()) >= TICK:
+                yield self._merger.tick(self._clock())
+
+    @property
+    def replaced(self) -> int:
+        """Results that newer ones replaced before they were merged."""
+        return self._results.replaced
 
     def close(self) -> None:
         """End everything; an iteration under way ends. From any thread; see :meth:`join`."""
         self._camera.close()
-        stages = self._all_stages()
-        for stage in stages:
-            stage.close()
-        with self._change:
-            self._over = True
-            self._change.notify_all()
+        for worker in self._all_workers():
+            worker.close()
+        self._results.close()
 
     def join(self) -> None:
         """Wait until all threads have ended; after :meth:`close`."""
         if self._thread.is_alive():
-            self._thread.join(LAST)
-        for stage in self._all_stages():
-            stage.join(LAST)
+            self._thread.join(MAX_WAIT)
+        for worker in self._all_workers():
+            worker.join(MAX_WAIT)
 
-    def pictures(self) -> dict[str, HandsFound]:
-        """Return the newest frame whose hands were looked for, of each camera."""
-        with self._change:
-            return dict(self._pictures)
+    def latest_hands(self) -> dict[str, DetectedHands]:
+        """Return the newest frame of each camera whose hands were looked for, and its hands."""
+        with self._lock:
+            return dict(self._latest_hands)
 
     def problems(self) -> list[str]:
-        """Return what finders say is wrong with them."""
-        with self._change:
-            told = [getattr(finder, "problem", None) for finder in self._finders]
-        return [problem for problem in told if problem]
+        """Return what is wrong with the stages just now."""
+        with self._lock:
+            problems = [getattr(stage, "problem", None) for stage in self._stages]
+        return [problem for problem in problems if problem]
 
     def report(self) -> dict[str, dict[str, Any]]:
         """Return for the camera and each stage what was done, how fast, and what was dropped."""
         now = self._clock()
-        told = {"camera": {"rate": self.frames.rate(now), **self.frames.summary()}}
-        for stage in self._all_stages():
-            told[stage.name] = {
-                "rate": stage.meter.rate(now), **stage.meter.summary(),
-                "skipped": stage.inlet.replaced, "failed": stage.failed,
+        report = {"camera": {"rate": self.frames.rate(now), **self.frames.summary()}}
+        for worker in self._all_workers():
+            report[worker.name] = {
+                "rate": worker.meter.rate(now), **worker.meter.summary(),
+                "skipped": worker.inlet.replaced, "failed": worker.failed,
             }  # fmt: skip
-        return told
+        return report
 
-    def _all_stages(self) -> list[Worker[Any]]:
-        with self._change:
-            return [stage for stages in self._stages.values() for stage in stages]
+    def _all_workers(self) -> list[Worker[Any]]:
+        with self._lock:
+            return [worker for workers in self._workers.values() for worker in workers]
 
-    def _watch(self) -> None:
-        """Hand frames to the stages, until the camera ends."""
+    def _read_camera(self) -> None:
+        """Hand frames to the workers, until the camera ends."""
         try:
             for frame in self._camera:
                 now = self._clock()
-                self.frames.note(now, 0.0, now - frame.t)
-                for stage in self._stages_of(frame.camera):
-                    stage.inlet.put(frame)
-        except Exception as error:  # what goes wrong here is told where the stream is read
+                self.frames.add(now, 0.0, now - frame.t)
+                for worker in self._workers_of(frame.camera):
+                    worker.inlet.put(frame)
+        except Exception as error:  # raised where the observations are read
             self._fail(error)
-        for stage in self._all_stages():
-            stage.close()
-        for stage in self._all_stages():
-            stage.join(LAST)
-        with self._change:
-            self._over = True
-            self._change.notify_all()
+        for worker in self._all_workers():
+            worker.close()
+        for worker in self._all_workers():
+            worker.join(MAX_WAIT)
+        self._results.close()
 
-    def _stages_of(self, camera: str) -> list[Worker[Any]]:
-        known = self._stages.get(camera)
+    def _workers_of(self, camera: str) -> list[Worker[Any]]:
+        known = self._workers.get(camera)
         if known is not None:
             return known
-        stages: list[Worker[Any]] = []
+        workers: list[Worker[Any]] = []
         if self._new_hands is not None:
-            find = self._new_hands()
-            stages.append(self._stage(camera, "hands", find, find))
+            detect = self._new_hands()
+            workers.append(self._new_worker(camera, "hands", detect, detect))
         if self._new_objects is not None:
-            look = self._new_objects()
-            work = lambda frame: look(frame, self._pictures.get(camera))  # noqa: E731
-            stages.append(self._stage(camera, "objects", work, look))
-        with self._change:
-            self._stages[camera] = stages
-        return stages
+            estimate = self._new_objects()
 
-    def _stage(
-        self, camera: str, kind: str, work: Callable[[RgbdFrame], Any], finder: object
+            def work(frame: RgbdFrame) -> DetectedObjects:
+                return estimate(frame, self._latest_hands.get(camera))
+
+            workers.append(self._new_worker(camera, "objects", work, estimate))
+        with self._lock:
+            self._workers[camera] = workers
+        return workers
+
+    def _new_worker(
+        self, camera: str, kind: str, work: Callable[[RgbdFrame], Result], stage: object
     ) -> Worker[Any]:
-        def hand_on(found: HandsFound | ObjectsFound) -> None:
-            self._put((camera, kind), found)
+        def on_result(result: Result) -> None:
+            if isinstance(result, DetectedHands):
+                with self._lock:
+                    self._latest_hands[result.frame.camera] = result
+            self._results.put(result, (camera, kind))
 
-        def give_up(error: Exception) -> None:
+        def on_failure(error: Exception) -> None:
             self._fail(IgripError(f"{kind} of {camera}: {error}"))
 
-        with self._change:
-            self._finders.append(finder)
-        end = getattr(finder, "close", lambda: None)
-        return Worker(f"{camera}: {kind}", work, hand_on, give_up, self._clock, end)
-
-    def _put(self, key: tuple[str, str], found: HandsFound | ObjectsFound) -> None:
-        with self._change:
-            if isinstance(found, HandsFound):
-                self._pictures[found.frame.camera] = found
-            for k, (other, _) in enumerate(self._results):
-                if other == key:  # not merged yet, and old now
-                    del self._results[k]
-                    self.replaced += 1
-                    break
-            self._results.append((key, found))
-            self._change.notify_all()
-
-    def _next(self, timeout: float) -> HandsFound | ObjectsFound | None:
-        with self._change:
-            self._change.wait_for(
-                lambda: self._results or self._over or self._error is not None, timeout
-            )
-            return self._results.popleft()[1] if self._results else None
+        with self._lock:
+            self._stages.append(stage)
+        close = getattr(stage, "close", lambda: None)
+        return Worker(f"{camera}: {kind}", work, on_result, on_failure, close, self._clock)
 
     def _fail(self, error: Exception) -> None:
-        with self._change:
-            self._error = self._error or error
-            self._change.notify_all()
+        self._error = self._error or error
+        self._results.close()

@@ -1,10 +1,9 @@
-"""One kind of work in a thread of its own, on the newest frame there is."""
+"""One kind of work in a thread of its own, always on the newest frame."""
 
 from __future__ import annotations
 
 import logging
 import threading
-import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
@@ -14,7 +13,7 @@ from igrip.runtime.mailbox import Mailbox
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
-PATIENCE = 30  # frames in a row that may fail before the stage gives up; a second of a camera
+MAX_FAILURES = 30  # frames in a row that may fail before a worker stops; a second of a camera
 
 
 class Worker(Generic[T]):
@@ -26,14 +25,14 @@ class Worker(Generic[T]):
         For the screen and in messages.
     work : function
         From a frame to a result.
-    hand_on : function
+    on_result : function
         Called with each result.
-    give_up : function
-        Called with the error, once so many frames in a row have failed.
+    on_failure : function
+        Called with the error, once too many frames in a row have failed.
+    on_end : function
+        Called in the worker's thread once all is done.
     clock : function
         A monotonic clock, that of the frames [s].
-    end : function
-        Called in the stage's thread once all is done.
 
     Attributes
     ----------
@@ -46,52 +45,52 @@ class Worker(Generic[T]):
     """
 
     def __init__(
-        self, name: str, work: Callable[[RgbdFrame], T], hand_on: Callable[[T], None],
-        give_up: Callable[[Exception], None], clock: Callable[[], float] = time.monotonic,
-        end: Callable[[], None] = lambda: None,
+        self, name: str, work: Callable[[RgbdFrame], T], on_result: Callable[[T], None],
+        on_failure: Callable[[Exception], None], on_end: Callable[[], None],
+        clock: Callable[[], float],
     ) -> None:  # fmt: skip
         self.name = name
         self.inlet: Mailbox[RgbdFrame] = Mailbox()
         self.meter = LatencyMeter()
         self.failed = 0
-        self._work, self._hand_on, self._give_up, self._clock = work, hand_on, give_up, clock
-        self._end = end
+        self._work, self._on_result, self._on_failure = work, on_result, on_failure
+        self._on_end, self._clock = on_end, clock
         self._thread = threading.Thread(target=self._run, name=f"igrip-{name}", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """Take no more frames; the work at hand is ended."""
+        """Accept no more frames; the work at hand is finished."""
         self.inlet.close()
 
     def join(self, timeout: float) -> None:
-        """Wait until the last frame is done [s]."""
+        """Wait until the last frame is done, at most so long [s]."""
         self._thread.join(timeout)
 
     def _run(self) -> None:
         try:
-            self._work_on()
+            self._work_until_closed()
         finally:
-            self._end()
+            self._on_end()
 
-    def _work_on(self) -> None:
+    def _work_until_closed(self) -> None:
         in_a_row = 0
-        while not self.inlet.over:
-            frame = self.inlet.take()
+        while not self.inlet.finished:
+            frame = self.inlet.get()
             if frame is None:
                 continue
             begin = self._clock()
             try:
                 result = self._work(frame)
-            except Exception as error:  # one picture that cannot be read must not end the chain
+            except Exception as error:  # one picture that cannot be read must not end the pipeline
                 self.failed += 1
                 in_a_row += 1
                 if in_a_row == 1:
                     log.warning("%s: a frame failed: %s", self.name, error)
-                if in_a_row >= PATIENCE:
-                    self._give_up(error)
+                if in_a_row >= MAX_FAILURES:
+                    self._on_failure(error)
                     return
                 continue
             in_a_row = 0
             now = self._clock()
-            self.meter.note(now, now - begin, now - frame.t)
-            self._hand_on(result)
+            self.meter.add(now, now - begin, now - frame.t)
+            self._on_result(result)

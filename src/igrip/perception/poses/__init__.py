@@ -1,25 +1,23 @@
-"""What a pose finder is: from a frame to poses of the catalogue's meshes."""
+"""Pose estimators: from a frame to poses of the catalogue's meshes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from igrip.entities import ObjectPose
 from igrip.objects.catalog import Catalog
+from igrip.perception.poses._options import parse_options
 from igrip.registry import Registry
-from igrip.rgbd import RgbdFrame
+from igrip.rgbd import Array, RgbdFrame
 
-Array = NDArray[np.float64]
+__all__ = ["POSES", "PoseEstimator", "parse_options"]
 
 
 class PoseEstimator(Protocol):
-    """Finds objects; remembers where they were from one frame to the next of the same camera."""
+    """Estimates poses of objects; remembers them from frame to frame of the same camera."""
 
-    def find(
+    def estimate(
         self, frame: RgbdFrame, hands: Sequence[Array] = ()
     ) -> Mapping[str, ObjectPose | None]:
         """Return the pose of each object that was found or looked for, by id.
@@ -27,7 +25,7 @@ class PoseEstimator(Protocol):
         Parameters
         ----------
         frame : RgbdFrame
-            Colour, and depth where the finder needs it.
+            Colour, and depth where the estimator needs it.
         hands : sequence of (21, 2)
             Landmarks of the hands in the picture [pixels]: what they cover is not the object.
 
@@ -35,13 +33,13 @@ class PoseEstimator(Protocol):
         -------
         mapping of str to ObjectPose or None
             World frame (``frame.world_from_camera``), metres, with ``model``, ``score``, ``source``
-            and its own ``t``: the time of the frame in which it was last *seen*; an object that is
-            hidden keeps its pose and its old ``t``. None: looked for where it was, and not there.
+            and its own ``t``: the time of the frame in which it was last *visible*; an object that
+            is hidden keeps its pose and its old ``t``. None: looked for where it was, and gone.
         """
         ...
 
     def close(self) -> None:
-        """Let go of what it holds."""
+        """Release what it holds."""
         ...
 
 

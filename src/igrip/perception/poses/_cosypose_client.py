@@ -18,49 +18,41 @@ import numpy as np
 
 from igrip.errors import IgripError
 from igrip.rgbd import RgbdFrame
+from igrip.runtime.mailbox import Mailbox
 
 PROTOCOL = "igrip-poses/1"
-LARGEST = 4_000_000  # bytes of an answer: thousands of poses
-AGAIN = 0.5  # s until the next attempt to connect
+MAX_ANSWER = 4_000_000  # bytes: thousands of poses
+RETRY_AFTER = 0.5  # s
+MAX_ANSWERS = 8  # that wait to be read
 
 
 class Answer(NamedTuple):
-    """What was found in a frame.
-
-    Attributes
-    ----------
-    frame : RgbdFrame
-        The frame.
-    poses : list
-        As they came: not checked.
-    """
+    """What the server found in a frame."""
 
     frame: RgbdFrame
-    poses: list[Any]
+    poses: list[Any]  # as they came: not checked
 
 
-class Remote:
-    """A connection, in a thread of its own, that is made anew when it breaks.
+class _Request(NamedTuple):
+    number: int
+    frame: RgbdFrame
+    depth: bool
 
-    Parameters
-    ----------
-    host, port
-        Of the server.
-    patience : float
-        An answer is waited for so long [s].
 
-    Raises
-    ------
-    IgripError
-        If nobody listens there.
+class PoseServerClient:
+    """A connection to a pose server, in a thread of its own; reconnects when it breaks.
+
+    An answer may take ``timeout`` [s]. Where nothing listens at first, an IgripError is raised;
+    what is wrong later is in ``problem``.
     """
 
-    def __init__(self, host: str, port: int, patience: float) -> None:
-        self._address, self._patience = (host, port), patience
+    def __init__(self, host: str, port: int, timeout: float) -> None:
+        self._address, self._timeout = (host, port), timeout
+        self._requests: Mailbox[_Request] = Mailbox()
         self._changed = threading.Condition()
-        self._next: tuple[RgbdFrame, bool] | None = None
         self._answers: list[Answer] = []
-        self._busy = self._closed = False
+        self._offered = self._done = 0  # numbers of the newest frame, and of the newest worked on
+        self._closed = False
         self.problem: str | None = None
         try:
             self._socket: socket.socket | None = self._connect()
@@ -72,41 +64,36 @@ class Remote:
         self._thread.start()
 
     def offer(self, frame: RgbdFrame, depth: bool = False) -> None:
-        """Let a frame be the next to be sent; one that still waits is forgotten."""
-        with self._changed:
-            self._next = frame, depth and frame.depth is not None
-            self._changed.notify_all()
+        """Send this frame next, instead of one that still waits."""
+        self._offered += 1
+        self._requests.put(_Request(self._offered, frame, depth and frame.depth is not None))
 
     def answers(self, wait: float = 0.0) -> list[Answer]:
         """Return what came since the last call, oldest first.
 
-        Parameters
-        ----------
-        wait : float
-            For what was offered to be answered, at most [s].
+        It waits so long [s], at most, for the frame that was offered last to be answered.
         """
         with self._changed:
             if wait > 0.0:
-                self._changed.wait_for(
-                    lambda: self._closed or (self._next is None and not self._busy), wait
-                )
+                self._changed.wait_for(lambda: self._closed or self._done >= self._offered, wait)
             answers, self._answers = self._answers, []
         return answers
 
     def close(self) -> None:
         """Close the connection and end the thread; may be called twice."""
+        self._requests.close()
         with self._changed:
             self._closed = True
             self._changed.notify_all()
-        self._drop()
+        self._disconnect()
         self._thread.join(timeout=5.0)
 
     def _connect(self) -> socket.socket:
-        connection = socket.create_connection(self._address, timeout=self._patience)
+        connection = socket.create_connection(self._address, timeout=self._timeout)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return connection
 
-    def _drop(self) -> None:
+    def _disconnect(self) -> None:
         connection, self._socket = self._socket, None
         if connection is not None:
             with contextlib.suppress(OSError):  # wakes a thread that reads
@@ -114,58 +101,54 @@ class Remote:
             connection.close()
 
     def _run(self) -> None:
-        number = 0
-        while True:
-            with self._changed:
-                self._busy = False
-                self._changed.notify_all()
-                self._changed.wait_for(lambda: self._closed or self._next is not None)
-                if self._closed or self._next is None:
-                    return
-                (frame, depth), self._next, self._busy = self._next, None, True
-            number += 1
+        while not self._closed:
+            request = self._requests.get()
+            if request is None or self._closed:
+                return
+            answers: list[Answer] = []
             try:
                 if self._socket is None:
                     self._socket = self._connect()
-                answer = self._ask(self._socket, number, frame, depth)
+                answers.append(self._ask(self._socket, request))
             except (OSError, ValueError) as error:
-                self._drop()
+                self._disconnect()
                 self.problem = f"the pose server {self._address[0]}:{self._address[1]}: {error}"
-                with self._changed:
-                    self._changed.wait_for(lambda: self._closed, AGAIN)
-                continue
             with self._changed:
-                self._answers.append(answer)
-                del self._answers[:-8]  # nobody has asked for long: only the newest count
+                if not answers:
+                    self._changed.wait_for(lambda: self._closed, RETRY_AFTER)
+                self._answers = [*self._answers, *answers][-MAX_ANSWERS:]
+                self._done = request.number
+                self._changed.notify_all()
 
-    def _ask(self, connection: socket.socket, number: int, frame: RgbdFrame, depth: bool) -> Answer:
+    def _ask(self, connection: socket.socket, request: _Request) -> Answer:
+        frame = request.frame
         header = {
             "schema": PROTOCOL,
-            "seq": number,
+            "seq": request.number,
             "t": frame.t,
             "width": frame.colour.shape[1],
             "height": frame.colour.shape[0],
             "matrix": frame.intrinsics.matrix.tolist(),
-            "depth": depth,
+            "depth": request.depth,
         }
-        words = json.dumps(header).encode()
-        connection.sendall(struct.pack(">I", len(words)) + words)
+        packed = json.dumps(header).encode()
+        connection.sendall(struct.pack(">I", len(packed)) + packed)
         connection.sendall(np.ascontiguousarray(frame.colour).data)
-        if depth and frame.depth is not None:
+        if request.depth and frame.depth is not None:
             connection.sendall(np.ascontiguousarray(frame.depth, dtype="<f4").data)
         (length,) = struct.unpack(">I", _receive(connection, 4))
-        if length > LARGEST:
+        if length > MAX_ANSWER:
             raise ValueError("its answer makes no sense")
         try:
-            said = json.loads(_receive(connection, length))
+            answer = json.loads(_receive(connection, length))
         except (ValueError, RecursionError):
             raise ValueError("its answer is not JSON") from None
-        if not isinstance(said, dict) or said.get("seq") != number:
-            raise ValueError("it does not answer what it was asked")
-        if "error" in said:
-            self.problem = f"the pose server says: {said['error']!s:.300}"
+        if not isinstance(answer, dict) or answer.get("seq") != request.number:
+            raise ValueError("its answer belongs to another frame")
+        if "error" in answer:
+            self.problem = f"the pose server reports: {answer['error']!s:.300}"
             return Answer(frame, [])
-        poses = said.get("poses")
+        poses = answer.get("poses")
         if not isinstance(poses, list):
             raise ValueError("its answer holds no poses")
         self.problem = None

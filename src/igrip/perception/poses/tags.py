@@ -1,7 +1,7 @@
 """Objects by AprilTags stuck to them: poses from colour alone.
 
-A flipped pose is worse than none: where one small tag is seen from afar and nothing tells its two
-poses apart, the object keeps its last pose and that pose's time.
+A flipped pose is worse than none: where one small tag is seen from afar and nothing decides between
+its two poses, the object keeps its last pose and that pose's time.
 """
 
 from __future__ import annotations
@@ -13,19 +13,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose, Quaternion, Vector
 from igrip.errors import IgripError
 from igrip.objects.catalog import Catalog
 from igrip.perception.poses import POSES
-from igrip.perception.tags import TagDetector, TagPlace, TagPose, TagSeen, choose, tag_poses
-from igrip.rgbd import RgbdFrame
+from igrip.perception.poses._options import validated
+from igrip.perception.poses._tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
+from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.transforms import object_pose, rigid
+from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
-
-Array = NDArray[np.float64]
 
 NEARER = 0.03  # m: what is so much nearer than a tag hides it; guess
 
@@ -43,7 +42,7 @@ class TagOptions(Settings):
         Pose of the tag in the mesh's own frame [m], quaternion x, y, z, w. The tag's frame: centre,
         x to the right, y up, z out of it.
     upright : bool
-        The object stands upright whenever it is seen: this decides between two poses.
+        The object stands upright whenever its tag is visible: this decides between two poses.
     """
 
     model: str
@@ -55,7 +54,7 @@ class TagOptions(Settings):
 
 
 class TagsOptions(Settings):
-    """The options of the pose finder ``tags``.
+    """The options of the pose estimator ``tags``.
 
     Attributes
     ----------
@@ -74,32 +73,28 @@ class TagsOptions(Settings):
     family: str = "tag36h11"
     up: Vector = (0.0, 0.0, 1.0)
     decimate: float = quantity(2.0, "1", "tags are looked for in a smaller picture", "docs/tags.md")
-    lasting: float = quantity(
-        0.3, "s", "a pose this old still tells two poses apart", "guess", ge=0
+    max_pose_age: float = quantity(
+        0.3, "s", "of a pose that may decide between two new ones", "guess", ge=0
     )
-    missing: float = quantity(
-        1.0, "s", "an object in plain view that was not seen for so long is not there", "guess",
-        gt=0,
-    )  # fmt: skip
+    missing_after: float = quantity(
+        1.0, "s", "without its tags in plain view, after which an object is gone", "guess", gt=0
+    )
 
 
-class _Known(NamedTuple):
+class _LastPose(NamedTuple):
+    """Where an object was when its tags were last detected, as a matrix and as a message."""
+
     world_from_object: Array
     t: float
-    said: ObjectPose
+    message: ObjectPose
 
 
 @POSES.register("tags")
 class TagPoses:
     """Poses of tagged objects.
 
-    Parameters
-    ----------
-    catalog : Catalog
-        The objects.
-    options : mapping
-        The fields of :class:`TagsOptions`; ``tags`` may be the path of a TOML file, whose other
-        keys are options, too.
+    ``options`` are the fields of :class:`TagsOptions`; ``tags`` may be the path of a TOML file,
+    whose other keys are options, too.
 
     Raises
     ------
@@ -113,7 +108,7 @@ class TagPoses:
 
     def __init__(self, catalog: Catalog, options: Mapping[str, Any]) -> None:
         self._options = read_options(options)
-        self._places: dict[str, dict[int, TagPlace]] = defaultdict(dict)
+        self._placements: dict[str, dict[int, TagPlacement]] = defaultdict(dict)
         self._models: dict[str, str] = {}
         self._upright: dict[str, bool] = {}
         wanted = self._options.models
@@ -121,88 +116,82 @@ class TagPoses:
             catalog[tag.model]
             if wanted is not None and tag.model not in wanted:
                 continue
-            name = tag.id or tag.model
-            if self._models.setdefault(name, tag.model) != tag.model:
-                raise IgripError(f"tag {number}: {name!r} is of two models")
-            self._upright[name] = self._upright.get(name, False) or tag.upright
-            self._places[name][number] = TagPlace(tag.size, _matrix(tag.position, tag.orientation))
+            id = tag.id or tag.model
+            if self._models.setdefault(id, tag.model) != tag.model:
+                raise IgripError(f"tag {number}: {id!r} is of two models")
+            self._upright[id] = self._upright.get(id, False) or tag.upright
+            pose = rigid(Rotation.from_quat(tag.orientation).as_matrix(), tag.position)
+            self._placements[id][number] = TagPlacement(tag.size, pose)
         self._detector = TagDetector(self._options.family, self._options.decimate)
-        self._known: dict[tuple[str, str], _Known] = {}
+        self._last: dict[tuple[str, str], _LastPose] = {}  # by camera and object
 
-    def find(
+    def estimate(
         self, frame: RgbdFrame, hands: Sequence[Array] = ()
     ) -> Mapping[str, ObjectPose | None]:
         """Return the pose of each tagged object; see :class:`igrip.perception.poses.PoseEstimator`.
 
         ``score`` is the probability that the pose is not the flipped one.
         """
-        seen = {tag.id: tag for tag in self._detector.find(frame)}
-        found: dict[str, ObjectPose | None] = {}
-        for name, places in self._places.items():
-            key = (frame.camera, name)
-            known = self._known.get(key)
-            if known is not None and frame.t < known.t:  # another run
-                del self._known[key]
-                known = None
-            tags = [seen[number] for number in places if number in seen]
-            fit = self._decide(frame, name, tags, known)
-            if fit is not None:
-                known = self._known[key] = self._say(frame, name, *fit)
-            if known is None:
+        detections = {tag.id: tag for tag in self._detector.detect(frame)}
+        poses: dict[str, ObjectPose | None] = {}
+        for id, placements in self._placements.items():
+            key = (frame.camera, id)
+            last = self._last.get(key)
+            if last is not None and frame.t < last.t:  # another run
+                del self._last[key]
+                last = None
+            tags = [detections[number] for number in placements if number in detections]
+            chosen = self._choose(frame, id, tags, last)
+            if chosen is not None:
+                last = self._last[key] = self._last_pose(frame, id, *chosen)
+            if last is None:
                 continue
-            found[name] = known.said
-            gone = not tags and frame.t - known.t > self._options.missing
-            if gone and self._in_plain_view(frame, places, known, hands):
-                found[name] = None
-                del self._known[key]
-        return found
+            poses[id] = last.message
+            gone = not tags and frame.t - last.t > self._options.missing_after
+            if gone and self._in_plain_view(frame, placements, last, hands):
+                poses[id] = None
+                del self._last[key]
+        return poses
 
     def close(self) -> None:
-        """Let go of what is known."""
-        self._known.clear()
+        """Forget all poses."""
+        self._last.clear()
 
-    def _decide(
-        self, frame: RgbdFrame, name: str, tags: list[TagSeen], known: _Known | None
+    def _choose(
+        self, frame: RgbdFrame, id: str, tags: list[TagDetection], last: _LastPose | None
     ) -> tuple[TagPose, float] | None:
         camera_from_world = np.linalg.inv(frame.world_from_camera)
         before = up = None
-        if known is not None and frame.t - known.t <= self._options.lasting:
-            before = camera_from_world @ known.world_from_object
-        # a camera that was never placed knows no up
-        if self._upright[name] and not np.array_equal(frame.world_from_camera, np.eye(4)):
+        if last is not None and frame.t - last.t <= self._options.max_pose_age:
+            before = camera_from_world @ last.world_from_object
+        # without a calibrated pose of the camera, up is unknown
+        if self._upright[id] and not np.array_equal(frame.world_from_camera, np.eye(4)):
             up = np.array([0.0, 0.0, 1.0]), camera_from_world[:3, :3] @ self._options.up
-        return choose(tag_poses(tags, self._places[name], frame.intrinsics), before, up)
+        return choose_pose(tag_poses(tags, self._placements[id], frame.intrinsics), before, up)
 
-    def _say(self, frame: RgbdFrame, name: str, fit: TagPose, probability: float) -> _Known:
-        pose = frame.world_from_camera @ fit.pose
-        turn = frame.world_from_camera[:3, :3]
-        x, y, z = pose[:3, 3].tolist()
-        a, b, c, d = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
-        sx, sy, sz = np.sqrt(np.diag(turn @ fit.covariance @ turn.T)).tolist()
-        said = ObjectPose(
-            position=(x, y, z),
-            orientation=(a, b, c, d),
-            model=self._models[name],
-            t=frame.t,
-            std=(sx, sy, sz),
-            score=probability,
+    def _last_pose(self, frame: RgbdFrame, id: str, pose: TagPose, probability: float) -> _LastPose:
+        world_from_object = frame.world_from_camera @ pose.camera_from_object
+        rotation = frame.world_from_camera[:3, :3]
+        std = tuple(np.sqrt(np.diag(rotation @ pose.covariance @ rotation.T)).tolist())
+        message = object_pose(
+            world_from_object, model=self._models[id], t=frame.t, std=std, score=probability,
             source="tags",
-        )
-        return _Known(pose, frame.t, said)
+        )  # fmt: skip
+        return _LastPose(world_from_object, frame.t, message)
 
     def _in_plain_view(
-        self, frame: RgbdFrame, places: Mapping[int, TagPlace], known: _Known,
+        self, frame: RgbdFrame, placements: Mapping[int, TagPlacement], last: _LastPose,
         hands: Sequence[Array],
     ) -> bool:  # fmt: skip
-        """Whether a tag would have to be seen if the object still were where it was."""
-        pose = np.linalg.inv(frame.world_from_camera) @ known.world_from_object
+        """Whether a tag would be visible if the object still were where it was."""
+        pose = np.linalg.inv(frame.world_from_camera) @ last.world_from_object
         height, width = frame.colour.shape[:2]
-        for place in places.values():
-            tag = pose @ place.thing_from_tag
+        for placement in placements.values():
+            tag = pose @ placement.object_from_tag
             at = tag[:3, 3]
             if at[2] <= 0.0 or tag[:3, 2] @ at > -0.5 * float(np.linalg.norm(at)):
                 continue  # it faces away, or nearly
-            corners = place.corners @ pose[:3, :3].T + pose[:3, 3]
+            corners = placement.corners @ pose[:3, :3].T + pose[:3, 3]
             pixels = frame.intrinsics.pixels(corners)
             if (pixels < 0).any() or (pixels >= [width, height]).any():
                 continue
@@ -223,13 +212,6 @@ def _beside(pixels: Array, hand: Array, margin: float) -> bool:
     return bool((pixels.max(axis=0) >= low).all() and (pixels.min(axis=0) <= high).all())
 
 
-def _matrix(position: Vector, orientation: Quaternion) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(orientation).as_matrix()
-    pose[:3, 3] = position
-    return pose
-
-
 def read_options(options: Mapping[str, Any]) -> TagsOptions:
     """Read the options, and the file that ``tags`` may name."""
     given = dict(options)
@@ -241,16 +223,11 @@ def read_options(options: Mapping[str, Any]) -> TagsOptions:
             raise IgripError(f"{path}: cannot be read: {error}") from error
     if not given.get("tags"):
         raise IgripError(
-            "the pose finder 'tags' needs to know which tags are on what: options tags = "
+            "tags: the pose estimator needs to know which tags are on what: option tags = "
             '{7: {"model": "006_mustard_bottle", "size": 0.03, "position": …, "orientation": …}}'
             ", or the path of a TOML file with tables [tags.7]"
         )
-    try:
-        read = TagsOptions(**given)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        raise IgripError(f"tags: {where}: {first['msg']}") from error
+    read = validated(TagsOptions, "tags", given)
     for number, tag in read.tags.items():
         if not 0.99 < float(np.linalg.norm(tag.orientation)) < 1.01:
             raise IgripError(f"tags: tags.{number}.orientation: is not a rotation")

@@ -2,68 +2,45 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from igrip.compiled import kernel
+from igrip.perception.registration.rigid_pose import rotate, rotate_back, turn_about
 from igrip.perception.registration.signed_distance import look_up
+from igrip.rgbd import Array
+
+
+class Resting(NamedTuple):
+    """How a mesh rests on the table, as a weak prior of its pose."""
+
+    up: Array  # (3,), direction of the mesh that points up
+    height: float  # of the centre of the mesh over the table [m]
+    weight: float  # of this prior, in shares of the points; 0: it may be anywhere
+
+
+class Annealing(NamedTuple):
+    """The steps of a fit; points farther off than the gate do not count (Tukey's biweight)."""
+
+    first_gate: float  # at the first step [m]
+    last_gate: float  # at the last step [m]
+    steps: int
 
 
 @kernel
-def turn(rotation, translation, about, w, shift):
-    """Turn a pose by the rotation vector w (3,) about a point, then shift it; in place."""
-    angle = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
-    q = np.eye(3)
-    if angle > 1e-12:
-        x, y, z = w[0] / angle, w[1] / angle, w[2] / angle
-        s, c = np.sin(angle), np.cos(angle)
-        d = 1.0 - c
-        q[0, 0], q[0, 1], q[0, 2] = c + x * x * d, x * y * d - z * s, x * z * d + y * s
-        q[1, 0], q[1, 1], q[1, 2] = y * x * d + z * s, c + y * y * d, y * z * d - x * s
-        q[2, 0], q[2, 1], q[2, 2] = z * x * d - y * s, z * y * d + x * s, c + z * z * d
-    old = rotation.copy()
-    away = translation - about
-    for i in range(3):
-        translation[i] = about[i] + shift[i]
-        for j in range(3):
-            translation[i] += q[i, j] * away[j]
-            total = 0.0
-            for k in range(3):
-                total += q[i, k] * old[k, j]
-            rotation[i, j] = total
-
-
-@kernel
-def align(
-    points, values, origin, cell, middle, rotation, translation, free, hold, up, height,
-    radius, widest, narrowest, steps, information,
-):  # fmt: skip
-    """Fit the pose of a mesh to points, in the frame of a table (z up) or any other.
+def align(points, surface, pose, resting, planar, annealing, information):
+    """Fit the pose of a mesh to points (n, 3) of the frame of a table, z up [m].
 
     Parameters
     ----------
-    points : (n, 3)
-        Measured [m].
-    values, origin, cell
-        Distance field of the mesh (:class:`igrip.perception.registration.signed_distance.Field`).
-    middle : (3,)
-        Of the mesh, about which it turns, in its frame [m].
-    rotation : (3, 3), translation : (3,), changed in place
+    points, surface, resting, annealing
+        The points, the :class:`igrip.perception.registration.shape.Surface` of the mesh, the prior
+        and the steps.
+    pose : RigidPose, changed in place
         Table-from-mesh.
-    free : int
-        3: along x and y, and about z; 6: all.
-    hold : float
-        0, or the weight of resting as ``up`` and ``height`` say, in shares of the points.
-    up : (3,)
-        Direction of the mesh that should point up.
-    height : float
-        Of ``middle`` over the table, as it should be [m].
-    radius : float
-        Of the mesh [m]: turns weigh as much as shifts of its rim.
-    widest, narrowest : float
-        Points farther than it do not count [m], at the first and at the last step (Tukey's
-        biweight).
-    steps : int
-        How many.
+    planar : bool
+        Whether it may move along x and y and turn about z only.
     information : (6, 6), written
         Sum of the weighted outer products of the derivatives at the last step.
 
@@ -72,6 +49,11 @@ def align(
     rms, weight : float
         Weighted root mean square of the distances [m] and the sum of the weights at the last step.
     """
+    rotation, translation = pose
+    values, origin, cell = surface.field
+    radius, middle = surface.radius, surface.centre
+    up, height, hold = resting
+    widest, narrowest, steps = annealing
     a = np.empty((6, 6))
     b = np.empty(6)
     j = np.empty(6)
@@ -91,25 +73,16 @@ def align(
         b[:] = 0.0
         total, squares = 0.0, 0.0
         for n in range(points.shape[0]):
-            x, y, z = (
-                points[n, 0] - translation[0],
-                points[n, 1] - translation[1],
-                points[n, 2] - translation[2],
+            x, y, z = points[n, 0], points[n, 1], points[n, 2]
+            mx, my, mz = rotate_back(
+                rotation, x - translation[0], y - translation[1], z - translation[2]
             )
-            r = look_up(
-                values, origin, cell,
-                rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z,
-                rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z,
-                rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z,
-                g,
-            )  # fmt: skip
+            r = look_up(values, origin, cell, mx, my, mz, g)
             if abs(r) >= limit:
                 continue
             weight = (1.0 - (r / limit) ** 2) ** 2
-            gx = rotation[0, 0] * g[0] + rotation[0, 1] * g[1] + rotation[0, 2] * g[2]
-            gy = rotation[1, 0] * g[0] + rotation[1, 1] * g[1] + rotation[1, 2] * g[2]
-            gz = rotation[2, 0] * g[0] + rotation[2, 1] * g[1] + rotation[2, 2] * g[2]
-            x, y, z = points[n, 0] - about[0], points[n, 1] - about[1], points[n, 2] - about[2]
+            gx, gy, gz = rotate(rotation, g[0], g[1], g[2])
+            x, y, z = x - about[0], y - about[1], z - about[2]
             j[0], j[1], j[2] = -gx, -gy, -gz
             j[3], j[4], j[5] = -(y * gz - z * gy), -(z * gx - x * gz), -(x * gy - y * gx)
             for p in range(6):
@@ -126,8 +99,7 @@ def align(
         rms = np.sqrt(squares / total)
         information[:] = a
         if hold > 0.0:
-            ux = rotation[0, 0] * up[0] + rotation[0, 1] * up[1] + rotation[0, 2] * up[2]
-            uy = rotation[1, 0] * up[0] + rotation[1, 1] * up[1] + rotation[1, 2] * up[2]
+            ux, uy, _ = rotate(rotation, up[0], up[1], up[2])
             lean = hold * total * radius * radius
             a[2, 2] += hold * total
             b[2] -= hold * total * (about[2] - height)
@@ -136,7 +108,7 @@ def align(
             a[4, 4] += lean
             b[4] -= lean * ux
         for p in range(6):
-            held = free == 3 and (p == 2 or p == 3 or p == 4)
+            held = planar and (p == 2 or p == 3 or p == 4)
             if held:
                 a[p, :] = 0.0
                 a[:, p] = 0.0
@@ -148,5 +120,5 @@ def align(
         for i in range(3):
             shift[i] = min(max(d[i], -widest), widest)
             w[i] = min(max(d[3 + i], -0.3), 0.3)
-        turn(rotation, translation, about, w, shift)
+        turn_about(pose, about, w, shift)
     return rms, total

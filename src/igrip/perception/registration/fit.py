@@ -2,234 +2,199 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.perception.registration.align import align
+from igrip.objects.stable_poses import StablePoses
+from igrip.perception.registration.align import Annealing, Resting, align
 from igrip.perception.registration.clusters import Cluster
-from igrip.perception.registration.initial_poses import try_starts
+from igrip.perception.registration.initial_poses import initial_poses
+from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import Shape
-from igrip.perception.registration.signed_distance import look_up_all
-from igrip.perception.registration.view import View
+from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import (
-    FIT,
-    HIDDEN,
-    MATCH,
-    MISSING,
-    OUTSIDE,
-    THROUGH,
-    explained,
-    judge,
+    Visibility,
+    compare_with_depth,
+    share_explained,
 )
+from igrip.rgbd import Array
 
-Array = NDArray[np.float64]
-
-TURNS = np.arange(12) * (2.0 * np.pi / 12)
 FEW, MANY = 120, 400  # points of a cluster used to choose among starts, and to fit
 TOO_HIGH, TOO_LOW = 0.03, 0.06  # the top of a cluster over and under that of the shape [m]; guess
-BEST = 3  # starts that are fitted to the end
-NO_UP = np.zeros(3)
-ENOUGH = 0.35  # with a lesser share in sight the score falls; guess
-HOLD = 0.03  # resting has the weight of so large a share of the points: meshes err, too; guess
-ALIKE = 30.0  # points whose errors are one error, as stereo's are alike over a few pixels; guess
-FLOOR = 0.002  # what meshes and calibration are wrong by [m]; guess
+MAX_STARTS = 3  # that are fitted to the end
+MIN_VISIBLE = 0.35  # with a lesser share visible the score falls; guess
+REST_WEIGHT = 0.03  # of resting, in shares of the points: meshes err, too; guess
+CORRELATED = 30.0  # points whose errors are one error, as stereo's are over a few pixels; guess
+MIN_STD = 0.002  # what meshes and calibration are wrong by [m]; guess
+SAME_SHIFT, SAME_TURN = 0.01, np.radians(15.0)  # within both two starts are one [m, rad]
+SEARCH = Annealing(0.02, 0.0, 10)  # gates and steps of a fit to a cluster
+DENSE = Annealing(0.02, 0.0, 12)  # and of one to all points near
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
-    """A shape in a pose, and what speaks for it.
-
-    Attributes
-    ----------
-    shape : Shape
-    rotation : (3, 3), translation : (3,)
-        Table-from-mesh.
-    evidence : (6,)
-        See :func:`igrip.perception.registration.visibility.judge`.
-    cover : float
-        Share of the cluster's points that is explained, by how well.
-    up : (3,), height : float
-        How it rests on the table: see :func:`igrip.perception.registration.align.align`.
-    std : float
-        Standard deviation of its position [m].
-    """
+class PoseFit:
+    """A shape in a pose, and how well the picture agrees."""
 
     shape: Shape
-    rotation: Array
-    translation: Array
-    evidence: Array
-    cover: float
-    up: Array
-    height: float
-    std: float = 0.0
+    pose: RigidPose  # table-from-mesh
+    visibility: Visibility  # of the shape in the picture
+    cover: float  # share of the cluster's points that is explained, by how well
+    resting: Resting  # how it rests on the table
+    std: float = 0.0  # of its position [m]
 
     @property
-    def visible(self) -> float:
-        """Share of the side that faces the camera that was seen where it should be."""
-        return float(self.evidence[MATCH])
+    def centre(self) -> Array:
+        """Where the centre of the mesh is, (3,), in the frame of the table [m]."""
+        centre: Array = self.pose.rotation @ self.shape.surface.centre + self.pose.translation
+        return centre
 
     @property
     def hidden(self) -> float:
-        """Share of it that something nearer hides, or the edge of the picture."""
-        return float(self.evidence[HIDDEN] + self.evidence[OUTSIDE])
+        """Share of the side that faces the camera that is covered, or out of the picture."""
+        return self.visibility.hidden + self.visibility.outside
 
     @property
     def agreement(self) -> float:
-        """How well what should be seen was seen, 0 to 1; what is hidden does not count."""
-        seen = self.evidence[MATCH] + self.evidence[THROUGH] + 0.5 * self.evidence[MISSING]
-        return float(self.evidence[FIT] / max(seen, 1e-9))
+        """How well it agrees where it is not hidden, 0 to 1."""
+        share = self.visibility
+        return share.fit / max(share.match + share.through + 0.5 * share.missing, 1e-9)
 
     @property
     def score(self) -> float:
         """How well mesh and measurement explain one another, 0 to 1."""
-        return self.agreement * self.cover * min(1.0, self.visible / ENOUGH)
+        return self.agreement * self.cover * min(1.0, self.visibility.match / MIN_VISIBLE)
 
 
-def fit_cluster(
-    shape: Shape, cluster: Cluster, view: View, random: np.random.Generator
-) -> list[Fit]:
+@dataclass(frozen=True)
+class SearchContext:
+    """What a search for objects needs besides points and shapes."""
+
+    view: DepthView
+    score: Callable[[PoseFit], float]  # 0 to 1
+    threshold: float  # fits with a lesser score are none
+    random: np.random.Generator  # chooses among points
+
+
+def fit_to_cluster(shape: Shape, cluster: Cluster, context: SearchContext) -> list[PoseFit]:
     """Fit a shape that rests on the table to a cluster; the best first.
 
     Ways of resting that are higher or lower than the cluster are left out.
     """
-    resting = shape.resting
-    tops = resting.heights + np.array([(shape.samples @ R[2]).max() for R in resting.rotations])
+    view, surface, ways = context.view, shape.surface, shape.stable_poses
+    tops = ways.heights + np.array([(surface.points @ R[2]).max() for R in ways.rotations])
     some = np.flatnonzero((cluster.top < tops + TOO_HIGH) & (cluster.top > tops - TOO_LOW))
     if not len(some):
         return []
-    few = _some(len(cluster.points), FEW, random)
-    rotations, heights = resting.rotations[some], resting.heights[some]
-    shape_of_starts = (len(some), len(TURNS))
-    found_rotations = np.empty((*shape_of_starts, 3, 3))
-    translations = np.empty((*shape_of_starts, 3))
-    evidence, cover = np.empty((*shape_of_starts, 6)), np.empty(shape_of_starts)
-    try_starts(
-        cluster.points[few], cluster.depths[few], rotations, heights, TURNS,
-        shape.samples[::2].copy(), shape.normals[::2].copy(), *shape.field,
-        shape.middle, shape.radius, view.depth, view.mask, view.pinhole, view.camera_from_table,
-        2.0 * view.base, view.spread, 6, found_rotations, translations, evidence, cover,
+    ways = StablePoses(ways.rotations[some], ways.heights[some], ways.probabilities[some])
+    few = _subset(len(cluster.points), FEW, context.random)
+    starts = initial_poses(
+        cluster.points[few], cluster.depths[few], ways,
+        surface._replace(points=surface.points[::2].copy(), normals=surface.normals[::2].copy()),
+        view._replace(tolerance=2.0 * view.tolerance),
     )  # fmt: skip
     fits = []
-    for way, turn in np.ndindex(shape_of_starts):
-        at, up = (way, turn), rotations[way, 2]
-        fit = Fit(
-            shape, found_rotations[at], translations[at], evidence[at], float(cover[at]), up,
-            float(heights[way] + up @ shape.middle),
-        )  # fmt: skip
-        fits.append(fit)
+    for start in starts:
+        up = ways.rotations[start.way, 2]
+        height = float(ways.heights[start.way] + up @ surface.centre)
+        resting = Resting(up, height, REST_WEIGHT)
+        fits.append(PoseFit(shape, start.pose, start.visibility, start.cover, resting))
     fits.sort(key=lambda fit: -fit.score)
-    many = _some(len(cluster.points), MANY, random)
+    many = _subset(len(cluster.points), MANY, context.random)
     best = [
-        refit(fit, cluster.points[many], cluster.depths[many], view, 0.02, 10)
-        for fit in _different(fits)
+        refit(fit, cluster.points[many], cluster.depths[many], view, SEARCH)
+        for fit in _distinct(fits)
     ]
     return sorted(best, key=lambda fit: -fit.score)
 
 
-def refit(fit: Fit, points: Array, depths: Array, view: View, widest: float, steps: int) -> Fit:
-    """Move a fit until it lies on points (n, 3) in the frame of the table, and judge it anew."""
-    shape = fit.shape
-    rotation, translation = fit.rotation.copy(), fit.translation.copy()
+def refit(
+    fit: PoseFit, points: Array, depths: Array, view: DepthView, annealing: Annealing
+) -> PoseFit:
+    """Move a fit until it lies on points (n, 3) in the frame of the table, and rate it anew.
+
+    The last gate is never less than what noise allows at ``depths`` (n,).
+    """
+    surface = fit.shape.surface
+    pose = RigidPose(fit.pose.rotation.copy(), fit.pose.translation.copy())
     information = np.zeros((6, 6))
     typical = float(np.median(depths)) if len(depths) else 1.0
-    narrowest = min(widest, view.base + 2.5 * view.spread * typical**2)
-    hold = HOLD if fit.up.any() else 0.0
-    rms, weight = align(
-        points, *shape.field, shape.middle, rotation, translation, 6, hold, fit.up, fit.height,
-        shape.radius, widest, narrowest, steps, information,
-    )  # fmt: skip
-    _, cover = explained(
-        points, depths, rotation, translation, *shape.field, view.base, view.spread
-    )
-    moved = Fit(
-        shape, rotation, translation, np.zeros(6), cover, fit.up, fit.height,
-        _std(information, rms, weight, shape.radius),
-    )  # fmt: skip
-    return judged(moved, view)
+    noise = view.tolerance + 2.5 * view.noise * typical**2
+    annealing = annealing._replace(last_gate=min(annealing.first_gate, noise))
+    rms, weight = align(points, surface, pose, fit.resting, False, annealing, information)
+    cover = share_explained(points, depths, pose, surface, view)
+    std = _std(information, rms, weight, surface.radius)
+    return rated(replace(fit, pose=pose, cover=cover, std=std), view)
 
 
-def settled(fit: Fit, points: Array, depths: Array, view: View) -> Fit:
-    """Fit to all points near, as it is and half round about each of its axes; the best of these.
+def refit_flipped(fit: PoseFit, points: Array, depths: Array, view: DepthView) -> PoseFit:
+    """Fit to all points near, as it is and half round about each of its axes; return the best.
 
-    Boxes and bottles look nearly alike then: a few hundred points do not tell.
+    Boxes and bottles look nearly alike then: a few hundred points do not decide.
     """
-    ways = [refit(way, points, depths, view, 0.02, 12) for way in (fit, *_half_turned(fit))]
-    misfits = [misfit(way, points, view) for way in ways]
-    return ways[int(np.argmin(misfits))]
+    fits = [refit(one, points, depths, view, DENSE) for one in (fit, *_flipped(fit))]
+    return fits[int(np.argmin([misfit(one, points, view) for one in fits]))]
 
 
-def _half_turned(fit: Fit) -> list[Fit]:
-    """Return a fit turned half round about each axis of the object through its middle."""
-    turned = []
+def _flipped(fit: PoseFit) -> list[PoseFit]:
+    """Return a fit turned half round about each axis of the object through its centre."""
+    rotation, translation = fit.pose
+    centre = fit.shape.surface.centre
+    flipped = []
     for axis in fit.shape.axes.T:
         half = 2.0 * np.outer(axis, axis) - np.eye(3)
-        shift = fit.rotation @ (fit.shape.middle - half @ fit.shape.middle)
-        way = replace(
-            fit, rotation=fit.rotation @ half, translation=fit.translation + shift,
-            up=half @ fit.up,
-        )  # fmt: skip
-        turned.append(way)
-    return turned
+        pose = RigidPose(rotation @ half, translation + rotation @ (centre - half @ centre))
+        resting = fit.resting._replace(up=half @ fit.resting.up)
+        flipped.append(replace(fit, pose=pose, resting=resting))
+    return flipped
 
 
-def misfit(fit: Fit, points: Array, view: View) -> float:
+def misfit(fit: PoseFit, points: Array, view: DepthView) -> float:
     """Return the mean squared distance of points from the mesh, in shares of the tolerance.
 
     Far points count as those at twice the tolerance do.
     """
     camera = view.camera_from_table
     depths = points @ camera[2, :3] + camera[2, 3]
-    limits = 2.0 * (view.base + 2.5 * view.spread * depths**2)
-    local = (points - fit.translation) @ fit.rotation
-    distances = np.empty(len(points))
-    look_up_all(*fit.shape.field, np.ascontiguousarray(local), distances)
+    limits = 2.0 * (view.tolerance + 2.5 * view.noise * depths**2)
+    distances = fit.shape.surface.field.distances(fit.pose.to_mesh(points))
     return float(np.minimum((distances / limits) ** 2, 1.0).mean())
 
 
-def judged(fit: Fit, view: View) -> Fit:
-    """Return the same pose with the evidence of this view."""
-    shape = fit.shape
-    camera = view.camera_from_table
-    evidence = np.empty(6)
-    judge(
-        view.depth, view.mask, view.pinhole, camera[:3, :3] @ fit.rotation,
-        camera[:3, :3] @ fit.translation + camera[:3, 3], shape.samples, shape.normals,
-        *shape.field, shape.radius, view.base, view.spread, evidence,
-    )  # fmt: skip
-    return Fit(
-        shape, fit.rotation, fit.translation, evidence, fit.cover, fit.up, fit.height, fit.std
-    )
+def rated(fit: PoseFit, view: DepthView) -> PoseFit:
+    """Return the same pose with its visibility in this view."""
+    pose = fit.pose.after(view.camera_from_table)
+    return replace(fit, visibility=compare_with_depth(view, pose, fit.shape.surface))
 
 
 def _std(information: Array, rms: float, weight: float, radius: float) -> float:
     """Return the standard deviation of the position [m], from the curvature of the fit."""
     if not np.isfinite(rms):
-        return FLOOR
-    damped = information / ALIKE + 1e-3 * np.diag([1.0] * 3 + [radius**2] * 3) * weight / ALIKE
-    covariance = rms**2 * np.linalg.inv(damped + 1e-12 * np.eye(6))
-    return float(np.sqrt(FLOOR**2 + np.trace(covariance[:3, :3]) / 3.0))
+        return MIN_STD
+    damping = 1e-3 * np.diag([1.0] * 3 + [radius**2] * 3) * weight / CORRELATED
+    covariance = rms**2 * np.linalg.inv(information / CORRELATED + damping + 1e-12 * np.eye(6))
+    return float(np.sqrt(MIN_STD**2 + np.trace(covariance[:3, :3]) / 3.0))
 
 
-def _different(fits: list[Fit]) -> list[Fit]:
+def _distinct(fits: list[PoseFit]) -> list[PoseFit]:
     """Return the best few that are not one pose."""
-    kept: list[Fit] = []
+    kept: list[PoseFit] = []
     for fit in fits:
-        if len(kept) == BEST:
+        if len(kept) == MAX_STARTS:
             break
         for other in kept:
-            shift = fit.rotation @ fit.shape.middle + fit.translation
-            shift = shift - (other.rotation @ fit.shape.middle + other.translation)
-            turned = np.trace(fit.rotation.T @ other.rotation)  # 1 + 2 cos of the angle
-            if np.linalg.norm(shift) < 0.01 and turned > 1.0 + 2.0 * np.cos(np.radians(15.0)):
+            turned = np.trace(fit.pose.rotation.T @ other.pose.rotation)  # 1 + 2 cos of the angle
+            near = np.linalg.norm(fit.centre - other.centre) < SAME_SHIFT
+            if near and turned > 1.0 + 2.0 * np.cos(SAME_TURN):
                 break
         else:
             kept.append(fit)
     return kept
 
 
-def _some(count: int, most: int, random: np.random.Generator) -> NDArray[np.int64]:
-    if count <= most:
+def _subset(count: int, size: int, random: np.random.Generator) -> NDArray[np.int64]:
+    if count <= size:
         return np.arange(count)
-    return np.sort(random.choice(count, size=most, replace=False))
+    return np.sort(random.choice(count, size=size, replace=False))

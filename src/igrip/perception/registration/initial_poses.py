@@ -1,49 +1,73 @@
-"""Where to start: every way of resting, turned all round, settled on a cluster and judged."""
+"""Where a fit starts: every way of resting, turned all round, settled on a cluster and rated."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from igrip.compiled import kernel
-from igrip.perception.registration.align import align
-from igrip.perception.registration.visibility import explained, judge
+from igrip.objects.stable_poses import StablePoses
+from igrip.perception.registration.align import Annealing, Resting, align
+from igrip.perception.registration.rigid_pose import RigidPose
+from igrip.perception.registration.shape import Surface
+from igrip.perception.registration.view import DepthView
+from igrip.perception.registration.visibility import (
+    Visibility,
+    compare_with_depth,
+    share_explained,
+)
+from igrip.rgbd import Array
+
+TURNS = np.arange(12) * (2.0 * np.pi / 12)
+ANNEALING = Annealing(0.04, 0.012, 6)
+ANYWHERE = Resting(np.zeros(3), 0.0, 0.0)
+
+
+class InitialPose(NamedTuple):
+    """A pose from which a fit may start."""
+
+    way: int  # of resting
+    pose: RigidPose  # table-from-mesh
+    visibility: Visibility
+    cover: float  # share of the cluster's points that it explains, by how well
+
+
+def initial_poses(
+    points: Array, depths: Array, stable_poses: StablePoses, surface: Surface, view: DepthView
+) -> list[InitialPose]:
+    """Settle a mesh on a cluster from every way of resting and every turn about the vertical.
+
+    ``points`` (n, 3) and ``depths`` (n,) are the cluster's, in the frame of the table, and along
+    the optical axis [m].
+    """
+    shape = (len(stable_poses.heights), len(TURNS))
+    rotations, translations = np.empty((*shape, 3, 3)), np.empty((*shape, 3))
+    visibility, cover = np.empty((*shape, len(Visibility._fields))), np.empty(shape)
+    _settle(
+        points, depths, stable_poses.rotations, stable_poses.heights, surface, view,
+        rotations, translations, visibility, cover,
+    )  # fmt: skip
+    return [
+        InitialPose(
+            way, RigidPose(rotations[way, turn], translations[way, turn]),
+            Visibility(*visibility[way, turn].tolist()), float(cover[way, turn]),
+        )
+        for way, turn in np.ndindex(shape)
+    ]  # fmt: skip
 
 
 @kernel
-def try_starts(
-    points, depths, rotations, heights, turns, samples, normals, values, origin, cell, middle,
-    radius, depth, mask, pinhole, camera_from_table, base, spread, steps,
-    out_rotations, out_translations, evidence, cover,
+def _settle(
+    points, depths, rotations, heights, surface, view,
+    out_rotations, out_translations, visibility, cover,
 ):  # fmt: skip
-    """Settle a mesh on a cluster from every start.
-
-    Parameters
-    ----------
-    points : (n, 3), depths : (n,)
-        Of the cluster, in the frame of the table [m].
-    rotations : (k, 3, 3), heights : (k,)
-        Ways of resting.
-    turns : (m,)
-        Turns about the vertical [rad].
-    samples, normals, values, origin, cell, middle, radius
-        Of the shape (:class:`igrip.perception.registration.shape.Shape`).
-    depth, mask, pinhole, base, spread
-        As for :func:`igrip.perception.registration.visibility.judge`.
-    camera_from_table : (4, 4)
-        Pose of the table.
-    steps : int
-        Of the fit.
-    out_rotations : (k, m, 3, 3), out_translations : (k, m, 3), written
-        Table-from-mesh.
-    evidence : (k, m, 6), cover : (k, m), written
-        As ``judge`` gives it, and the share of the points that is explained, by how well.
-    """
-    up = np.zeros(3)
+    """Write the poses (k, m, 3, 3) and (k, m, 3), visibility (k, m, 6) and cover (k, m)."""
     information = np.empty((6, 6))
-    rotation = np.empty((3, 3))
-    translation = np.empty(3)
-    seen_rotation = np.empty((3, 3))
-    seen_translation = np.empty(3)
+    pose = RigidPose(np.empty((3, 3)), np.empty(3))
+    rotation, translation = pose
+    camera_from_mesh = RigidPose(np.empty((3, 3)), np.empty(3))
+    camera_from_table, samples, normals = view.camera_from_table, surface.points, surface.normals
     eye = np.zeros(3)
     for i in range(3):
         for k in range(3):
@@ -55,8 +79,8 @@ def try_starts(
     towards = eye - mean
     towards /= np.sqrt((towards**2).sum())
     for way in range(rotations.shape[0]):
-        for t in range(turns.shape[0]):
-            c, s = np.cos(turns[t]), np.sin(turns[t])
+        for t in range(TURNS.shape[0]):
+            c, s = np.cos(TURNS[t]), np.sin(TURNS[t])
             for k in range(3):
                 rotation[0, k] = c * rotations[way, 0, k] - s * rotations[way, 1, k]
                 rotation[1, k] = s * rotations[way, 0, k] + c * rotations[way, 1, k]
@@ -75,24 +99,19 @@ def try_starts(
                         y += facing * rotation[1, k] * samples[n, k]
             translation[0], translation[1] = mean[0] - x / weight, mean[1] - y / weight
             translation[2] = heights[way]
-            align(
-                points, values, origin, cell, middle, rotation, translation, 3, 0.0, up, 0.0,
-                radius, 0.04, 0.012, steps, information,
-            )  # fmt: skip
+            align(points, surface, pose, ANYWHERE, True, ANNEALING, information)
             for i in range(3):
-                seen_translation[i] = camera_from_table[i, 3]
+                camera_from_mesh.translation[i] = camera_from_table[i, 3]
                 for j in range(3):
-                    seen_translation[i] += camera_from_table[i, j] * translation[j]
+                    camera_from_mesh.translation[i] += camera_from_table[i, j] * translation[j]
                     total = 0.0
                     for k in range(3):
                         total += camera_from_table[i, k] * rotation[k, j]
-                    seen_rotation[i, j] = total
-            judge(
-                depth, mask, pinhole, seen_rotation, seen_translation, samples, normals,
-                values, origin, cell, radius, base, spread, evidence[way, t],
-            )  # fmt: skip
-            _, cover[way, t] = explained(
-                points, depths, rotation, translation, values, origin, cell, base, spread
-            )
+                    camera_from_mesh.rotation[i, j] = total
+            shares = compare_with_depth(view, camera_from_mesh, surface)
+            visibility[way, t, 0], visibility[way, t, 1] = shares.match, shares.fit
+            visibility[way, t, 2], visibility[way, t, 3] = shares.through, shares.hidden
+            visibility[way, t, 4], visibility[way, t, 5] = shares.missing, shares.outside
+            cover[way, t] = share_explained(points, depths, pose, surface, view)
             out_rotations[way, t] = rotation
             out_translations[way, t] = translation

@@ -1,13 +1,13 @@
-"""The plane that things stand on, from the points of one frame."""
+"""The plane that objects stand on, from the points of one frame."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from igrip.perception.transforms import rigid
+from igrip.rgbd import Array
 
 SAMPLED = 4000
 HYPOTHESES = 300
@@ -16,37 +16,18 @@ NEAR = (0.006, 0.006)  # within which distance of a plane a point is on it: a + 
 
 
 class Plane(NamedTuple):
-    """A plane and the frame of a table on it.
+    """A plane, and the frame of a table on it: its origin is the camera's foot on the plane."""
 
-    Attributes
-    ----------
-    table_from_camera : (4, 4)
-        z up, towards the camera's side; the origin is the camera's foot on the plane.
-    spread : float
-        Noise of the depth: its standard deviation normal to the plane is ``spread z²`` [1/m].
-    share : float
-        Of the points that are on it.
-    """
-
-    table_from_camera: Array
-    spread: float
-    share: float
+    table_from_camera: Array  # (4, 4); z up, towards the camera's side
+    noise: float  # of the depth: its standard deviation normal to the plane is noise z² [1/m]
+    share: float  # of the points, which is on it
 
 
 def find_plane(points: Array, random: np.random.Generator) -> Plane | None:
     """Find the plane that most points are on (RANSAC; Fischler & Bolles 1981, then least squares).
 
-    Parameters
-    ----------
-    points : (n, 3)
-        In the camera's frame [m].
-    random : numpy.random.Generator
-        Chooses the hypotheses.
-
-    Returns
-    -------
-    Plane or None
-        None where no plane holds enough of the points.
+    ``points`` (n, 3) are in the camera's frame [m]; ``random`` chooses the hypotheses. None: no
+    plane holds enough of the points.
     """
     if len(points) < 100:
         return None
@@ -62,10 +43,10 @@ def find_plane(points: Array, random: np.random.Generator) -> Plane | None:
     offsets = (normals * corners[fit, 0]).sum(axis=1)
     counts = (np.abs(chosen @ normals.T - offsets) < near[:, None]).sum(axis=0)
     best = int(np.argmax(counts))
-    return refined(chosen, normals[best], float(offsets[best]))
+    return refine_plane(chosen, normals[best], float(offsets[best]))
 
 
-def refined(points: Array, normal: Array, offset: float) -> Plane | None:
+def refine_plane(points: Array, normal: Array, offset: float) -> Plane | None:
     """Fit a plane ``normal · p = offset`` to the points near it, by weighted least squares."""
     near = NEAR[0] + NEAR[1] * points[:, 2] ** 2
     share, gaps = 0.0, np.empty(0)
@@ -84,8 +65,8 @@ def refined(points: Array, normal: Array, offset: float) -> Plane | None:
         normal, offset = -normal, -offset
     gaps = points @ normal - offset
     on = np.abs(gaps) < near
-    spread = 1.4826 * float(np.median(np.abs(gaps[on]) / points[on, 2] ** 2))
-    return Plane(_frame(normal, offset), spread, share)
+    noise = 1.4826 * float(np.median(np.abs(gaps[on]) / points[on, 2] ** 2))
+    return Plane(_frame(normal, offset), noise, share)
 
 
 def _frame(normal: Array, offset: float) -> Array:
@@ -93,7 +74,4 @@ def _frame(normal: Array, offset: float) -> Array:
     ahead = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.95 else np.array([0.0, -1.0, 0.0])
     y = ahead - (ahead @ normal) * normal
     y /= np.linalg.norm(y)
-    frame = np.eye(4)
-    frame[:3, :3] = np.stack([np.cross(y, normal), y, normal])
-    frame[2, 3] = -offset
-    return frame
+    return rigid(np.stack([np.cross(y, normal), y, normal]), (0.0, 0.0, -offset))

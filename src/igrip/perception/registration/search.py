@@ -2,35 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from igrip.perception.registration.clusters import LEAST, Cluster, clusters_above
-from igrip.perception.registration.fit import Fit, fit_cluster
+from igrip.perception.registration.clusters import MIN_POINTS, Cluster, clusters_above
+from igrip.perception.registration.fit import PoseFit, SearchContext, fit_to_cluster
 from igrip.perception.registration.shape import Shape
-from igrip.perception.registration.split_clusters import part
-from igrip.perception.registration.view import View
+from igrip.perception.registration.split_clusters import split_cluster
+from igrip.rgbd import Array
 
-Array = NDArray[np.float64]
-
-TAKEN = 0.015  # points so near to an object that was found are its own [m]
-ROUNDS = 2  # what is left when the first are found is looked at again
+ON_OBJECT = 0.015  # points so near to a known object are its own [m]
+ROUNDS = 2  # what is left when the first are found is searched again
 
 
-def search(
-    points: Array,
-    depths: Array,
-    wanted: Mapping[str, Shape],
-    taken: Sequence[Fit],
-    view: View,
-    threshold: float,
-    weigh: Callable[[Fit], float],
-    random: np.random.Generator,
-) -> dict[str, Fit]:
-    """Find objects that rest on the table.
+def find_objects(
+    points: Array, depths: Array, wanted: Mapping[str, Shape], known: Sequence[PoseFit],
+    context: SearchContext,
+) -> dict[str, PoseFit]:  # fmt: skip
+    """Find objects that rest on the table; return them by id.
 
     Parameters
     ----------
@@ -38,87 +30,63 @@ def search(
         In the frame of the table, and along the optical axis [m].
     wanted : mapping of str to Shape
         What is looked for, by id.
-    taken : sequence of Fit
-        Objects that are known already: their points are left out.
-    view : View
-        The frame.
-    threshold : float
-        Fits with a lesser score are nothing.
-    weigh : callable
-        Score of a fit, 0 to 1.
-    random : numpy.random.Generator
-        Chooses among points.
-
-    Returns
-    -------
-    dict of str to Fit
-        What was found, by id.
+    known : sequence of PoseFit
+        Objects that are tracked already: their points are left out.
+    context : SearchContext
+        The frame, and what counts as found.
     """
-    found: dict[str, Fit] = {}
+    found: dict[str, PoseFit] = {}
+
+    def left() -> dict[str, Shape]:
+        return {id: shape for id, shape in wanted.items() if id not in found}
+
+    def clusters() -> list[Cluster]:
+        every = clusters_above(points, depths, context.view.noise)
+        fits = (*known, *found.values())
+        return [rest for cluster in every if (rest := _without(cluster, fits)) is not None]
+
     for _ in range(ROUNDS):
-        left = {id: shape for id, shape in wanted.items() if id not in found}
-        if not left:
+        if not left():
             break
-        groups = _groups(points, depths, (*taken, *found.values()), view)
-        new = _assign(groups, left, view, threshold, weigh, random)
+        new = _assign(clusters(), left(), context)
         found.update(new)
         if not new:
             break
-    left = {id: shape for id, shape in wanted.items() if id not in found}
-    if len(left) < 2:
+    if len(left()) < 2:
         return found
-    for group in _groups(points, depths, (*taken, *found.values()), view):
-        new = part(group, left, view, threshold, weigh, random)
-        found.update(new)
-        left = {id: shape for id, shape in left.items() if id not in new}
+    for cluster in clusters():
+        found.update(split_cluster(cluster, left(), context))
     return found
 
 
-def _groups(points: Array, depths: Array, known: Sequence[Fit], view: View) -> list[Cluster]:
-    """Return what stands on the table without the points of known objects."""
-    return [
-        rest
-        for group in clusters_above(points, depths, view.spread)
-        for rest in _without(group, known)
-    ]
-
-
-def _without(group: Cluster, fits: Sequence[Fit]) -> list[Cluster]:
-    """Return a cluster without the points of these objects, if enough are left."""
-    free = np.ones(len(group.points), dtype=np.bool_)
+def _without(cluster: Cluster, fits: Sequence[PoseFit]) -> Cluster | None:
+    """Return a cluster without the points of these objects; None: too few are left."""
+    free = np.ones(len(cluster.points), dtype=np.bool_)
     for fit in fits:
-        free &= ~on_shape(fit, group.points)
+        free &= ~on_object(fit, cluster.points)
     if free.all():
-        return [group]
-    if free.sum() < max(LEAST, 0.1 * len(free)):
-        return []
-    top = float(np.percentile(group.points[free, 2], 97.0))
-    return [Cluster(group.points[free], group.depths[free], top)]
+        return cluster
+    return cluster.part(free) if free.sum() >= max(MIN_POINTS, 0.1 * len(free)) else None
 
 
 def _assign(
-    groups: Sequence[Cluster],
-    wanted: Mapping[str, Shape],
-    view: View,
-    threshold: float,
-    weigh: Callable[[Fit], float],
-    random: np.random.Generator,
-) -> dict[str, Fit]:
+    clusters: Sequence[Cluster], wanted: Mapping[str, Shape], context: SearchContext
+) -> dict[str, PoseFit]:
     """Give each id at most one cluster, and each cluster one id, for the highest sum of scores."""
     ids = list(wanted)
     shapes = {shape.name: shape for shape in wanted.values()}
-    fits: dict[tuple[str, int], Fit] = {}
-    scores = np.zeros((len(ids), len(groups)))
-    for column, group in enumerate(groups):
+    fits: dict[tuple[str, int], PoseFit] = {}
+    scores = np.zeros((len(ids), len(clusters)))
+    for column, cluster in enumerate(clusters):
         for name, shape in shapes.items():
-            best = fit_cluster(shape, group, view, random)
+            best = fit_to_cluster(shape, cluster, context)
             if not best:
                 continue
             fits[name, column] = best[0]
             for row, id in enumerate(ids):
                 if wanted[id].name == name:
-                    scores[row, column] = weigh(best[0])
-    good = np.where(scores >= threshold, scores, 0.0)
+                    scores[row, column] = context.score(best[0])
+    good = np.where(scores >= context.threshold, scores, 0.0)
     rows, columns = linear_sum_assignment(-good)
     return {
         ids[row]: fits[wanted[ids[row]].name, int(column)]
@@ -127,17 +95,15 @@ def _assign(
     }
 
 
-def on_shape(fit: Fit, points: Array) -> NDArray[np.bool_]:
-    """Whether points (n, 3) of the table are on a shape, or inside it."""
+def on_object(fit: PoseFit, points: Array) -> NDArray[np.bool_]:
+    """Whether points (n, 3) of the table are on an object, or inside it."""
     result = np.zeros(len(points), dtype=np.bool_)
-    shape = fit.shape
-    middle = fit.rotation @ shape.middle + fit.translation
-    near = np.flatnonzero(((points - middle) ** 2).sum(axis=1) < (shape.radius + TAKEN) ** 2)
+    surface = fit.shape.surface
+    reach = surface.radius + ON_OBJECT
+    near = np.flatnonzero(((points - fit.centre) ** 2).sum(axis=1) < reach**2)
     if len(near):
-        local = (points[near] - fit.translation) @ fit.rotation
-        values, origin, cell = shape.field
-        corner = np.clip(
-            np.round((local - origin) / cell).astype(int), 0, np.array(values.shape) - 1
-        )
-        result[near] = values[tuple(corner.T)] < TAKEN
+        values, origin, cell = surface.field
+        corner = np.round((fit.pose.to_mesh(points[near]) - origin) / cell).astype(int)
+        corner = np.clip(corner, 0, np.array(values.shape) - 1)
+        result[near] = values[tuple(corner.T)] < ON_OBJECT
     return result

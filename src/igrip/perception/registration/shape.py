@@ -9,52 +9,41 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import trimesh
 
 from igrip.compiled import cache_directory
 from igrip.objects.model import ObjectModel
 from igrip.objects.stable_poses import StablePoses, stable_poses
-from igrip.perception.registration.signed_distance import Field, build_field
+from igrip.perception.registration.signed_distance import SignedDistanceField, signed_distance_field
+from igrip.rgbd import Array
 
-Array = NDArray[np.float64]
-
-SAMPLES = 400
-_ARRAYS = ("samples", "normals", "middle", "axes", "radius")
+MAX_POINTS = 400  # on a surface; those too near to another are left out
 _DERIVED_BY = (
     "perception/registration/shape.py", "perception/registration/signed_distance.py",
     "objects/stable_poses.py",
 )  # fmt: skip
 
 
-class Shape(NamedTuple):
-    """A model as registration sees it; lengths in metres, in the frame of the mesh.
+class Surface(NamedTuple):
+    """A mesh as kernels use it; lengths in metres, in its own frame.
 
-    Attributes
-    ----------
-    name : str
-        Of the model.
-    field : Field
-        Signed distances.
-    samples, normals : (400, 3)
-        Points spread evenly over the surface, and its outward unit normals.
-    resting : StablePoses
-        How it rests on a table.
-    middle : (3,)
-        Of its bounding sphere.
-    axes : (3, 3)
-        Of the object frame, as columns.
-    radius : float
-        And the radius of the sphere.
+    An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
     """
 
+    field: SignedDistanceField
+    points: Array  # (n, 3), spread evenly over the surface
+    normals: Array  # (n, 3), outward unit normals there
+    centre: Array  # (3,), of its bounding sphere
+    radius: float  # of the sphere
+
+
+class Shape(NamedTuple):
+    """A model as registration uses it."""
+
     name: str
-    field: Field
-    samples: Array
-    normals: Array
-    resting: StablePoses
-    middle: Array
-    axes: Array
-    radius: float
+    surface: Surface
+    stable_poses: StablePoses
+    axes: Array  # (3, 3), of the object frame, as columns
 
 
 def shape_of(model: ObjectModel) -> Shape:
@@ -72,59 +61,39 @@ def shape_of(model: ObjectModel) -> Shape:
 
 
 def _derive(model: ObjectModel) -> Shape:
-    samples, normals = _spread(model)
-    return Shape(
-        name=model.name,
-        field=build_field(model.vertices, model.bvh),
-        samples=samples,
-        normals=normals,
-        resting=stable_poses(model.vertices, model.centre),
-        middle=model.sphere[:3].copy(),
-        axes=model.mesh_from_object[:3, :3].copy(),
-        radius=float(model.sphere[3]),
-    )
-
-
-def _spread(model: ObjectModel) -> tuple[Array, Array]:
-    """Return points on the surface, each as far as can be from those before it, and normals."""
-    random = np.random.default_rng(0)
-    a, b, c = (model.vertices[model.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    area = np.linalg.norm(normals, axis=1)
-    chosen = random.choice(len(area), size=10 * SAMPLES, p=area / area.sum())
-    u, v = random.random((2, 10 * SAMPLES))
-    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
-    points = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
-    kept = [0]
-    away = np.full(len(points), np.inf)
-    for _ in range(SAMPLES - 1):
-        away = np.minimum(away, ((points - points[kept[-1]]) ** 2).sum(axis=1))
-        kept.append(int(np.argmax(away)))
-    which = chosen[kept]
-    return points[kept], normals[which] / area[which, None]
+    mesh = trimesh.Trimesh(model.vertices, model.faces, process=False)
+    points, faces = trimesh.sample.sample_surface_even(mesh, MAX_POINTS, seed=0)
+    surface = Surface(
+        signed_distance_field(model.vertices, model.bvh), np.asarray(points),
+        np.asarray(mesh.face_normals[faces]), model.sphere[:3].copy(), float(model.sphere[3]),
+    )  # fmt: skip
+    ways = stable_poses(model.vertices, model.centre)
+    return Shape(model.name, surface, ways, model.mesh_from_object[:3, :3].copy())
 
 
 def _read(path: Path, model: ObjectModel) -> Shape | None:
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            field = SignedDistanceField(stored["values"], stored["origin"], float(stored["cell"]))
             return Shape(
                 model.name,
-                Field(stored["values"], stored["origin"], float(stored["cell"])),
-                stored["samples"],
-                stored["normals"],
+                Surface(
+                    field, stored["points"], stored["normals"], stored["centre"],
+                    float(stored["radius"]),
+                ),
                 StablePoses(stored["rotations"], stored["heights"], stored["probabilities"]),
-                stored["middle"],
                 stored["axes"],
-                float(stored["radius"]),
-            )
+            )  # fmt: skip
     except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
         return None
 
 
 def _write(path: Path, shape: Shape) -> None:
-    arrays = {name: getattr(shape, name) for name in _ARRAYS}
-    arrays.update(shape.field._asdict())
-    arrays.update(shape.resting._asdict())
+    arrays = {
+        **shape.surface._asdict(), **shape.surface.field._asdict(),
+        **shape.stable_poses._asdict(), "axes": shape.axes,
+    }  # fmt: skip
+    del arrays["field"]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")

@@ -15,57 +15,45 @@ from igrip.compiled import kernel
 from igrip.mesh.bvh import STACK, Bvh
 from igrip.mesh.nearest import nearest
 from igrip.mesh.ray import count_hits
-
-Array = NDArray[np.float64]
+from igrip.rgbd import Array
 
 MARGIN = 0.03  # of the grid round the mesh [m]; farther out the distance to the grid is added
-CELLS = 60_000  # at most, about
-FINEST = 0.002  # edge of a cell, at least [m]
-# a mesh with holes is not closed: the majority of odd ways out decides what is inside
-WAYS = np.array([
+MAX_CELLS = 60_000  # about
+MIN_CELL = 0.002  # edge of a cell [m]
+# a mesh with holes is not closed: what most rays leave by an odd number of crossings is inside
+RAYS = np.array([
     [0.5387, 0.3181, 0.7803], [-0.6143, 0.7517, 0.2399], [0.1733, -0.8969, 0.4069],
     [-0.3911, -0.2273, -0.8919], [0.8317, -0.1559, -0.5329],
 ])  # fmt: skip
 
 
-class Field(NamedTuple):
-    """Signed distances from a mesh, negative inside, in its frame.
+class SignedDistanceField(NamedTuple):
+    """Signed distances from a mesh, negative inside, in its frame."""
 
-    Attributes
-    ----------
-    values : (nx, ny, nz) float32
-        At the corners of the cells [m].
-    origin : (3,)
-        Of the first corner [m].
-    cell : float
-        Edge of a cell [m].
-    """
+    values: NDArray[np.float32]  # (nx, ny, nz), at the corners of the cells [m]
+    origin: Array  # (3,), of the first corner [m]
+    cell: float  # edge of a cell [m]
 
-    values: NDArray[np.float32]
-    origin: Array
-    cell: float
+    def distances(self, points: Array) -> Array:
+        """Return the signed distances of points (n, 3) of the mesh's frame, shape (n,) [m]."""
+        distances = np.empty(len(points))
+        _look_up_all(self, np.ascontiguousarray(points), distances)
+        return distances
 
 
-def build_field(vertices: Array, bvh: Bvh) -> Field:
-    """Measure the distances round a mesh.
-
-    Parameters
-    ----------
-    vertices : (v, 3)
-        Of the mesh [m].
-    bvh : Bvh
-        Tree of its triangles.
-    """
+def signed_distance_field(vertices: Array, bvh: Bvh) -> SignedDistanceField:
+    """Return the field of a mesh with vertices (v, 3) [m], from the tree of its triangles."""
     low, high = vertices.min(axis=0) - MARGIN, vertices.max(axis=0) + MARGIN
-    cell = max(FINEST, float(np.prod(high - low) / CELLS) ** (1.0 / 3.0))
+    cell = max(MIN_CELL, float(np.prod(high - low) / MAX_CELLS) ** (1.0 / 3.0))
     shape = np.ceil((high - low) / cell).astype(int) + 1
-    values = np.empty(tuple(shape), dtype=np.float32)
-    _fill(bvh.boxes, bvh.links, bvh.leaves, low, cell, WAYS, values)
-    return Field(values, low, cell)
+    field = SignedDistanceField(np.empty(tuple(shape), dtype=np.float32), low, cell)
+    _fill(bvh.boxes, bvh.links, bvh.leaves, RAYS, field)
+    return field
 
 
 @kernel
-def _fill(boxes, links, leaves, origin, cell, ways, values):
+def _fill(boxes, links, leaves, rays, field):
+    values, origin, cell = field
     stack = np.empty(STACK, dtype=np.int32)
     near_stack = np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
@@ -79,17 +67,20 @@ def _fill(boxes, links, leaves, origin, cell, ways, values):
                 )
                 bound = (away + cell) ** 2 * (1.0 + 1e-9) + 1e-12  # the next corner is a step on
                 odd = 0
-                for w in range(ways.shape[0]):
+                for w in range(rays.shape[0]):
                     odd += count_hits(
                         boxes, links, leaves, 0, 0, x, y, z,
-                        ways[w, 0], ways[w, 1], ways[w, 2], stack,
+                        rays[w, 0], rays[w, 1], rays[w, 2], stack,
                     ) % 2  # fmt: skip
-                values[i, j, k] = -away if 2 * odd > ways.shape[0] else away
+                values[i, j, k] = -away if 2 * odd > rays.shape[0] else away
 
 
 @kernel
 def look_up(values, origin, cell, x, y, z, gradient):
-    """Return the signed distance of a point of the mesh's frame [m]; write its gradient (3,)."""
+    """Return the signed distance of a point of the mesh's frame [m]; write its gradient (3,).
+
+    The field is given in its parts: a tuple of arrays costs time to pass, and loops call this.
+    """
     nx, ny, nz = values.shape
     a, b, c = (x - origin[0]) / cell, (y - origin[1]) / cell, (z - origin[2]) / cell
     a0 = min(max(a, 0.0), nx - 1.000001)
@@ -120,8 +111,8 @@ def look_up(values, origin, cell, x, y, z, gradient):
 
 
 @kernel
-def look_up_all(values, origin, cell, points, out):
-    """Write the signed distances of points (n, 3) of the mesh's frame [m]."""
-    gradient = np.empty(3)
+def _look_up_all(field, points, out):
+    values, origin, cell = field
+    g = np.empty(3)
     for n in range(points.shape[0]):
-        out[n] = look_up(values, origin, cell, points[n, 0], points[n, 1], points[n, 2], gradient)
+        out[n] = look_up(values, origin, cell, points[n, 0], points[n, 1], points[n, 2], g)

@@ -1,98 +1,88 @@
-"""Objects that touch: one group of points, several meshes that explain it together."""
+"""Objects that touch: one cluster, several meshes that explain it together."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.cluster.vq import kmeans2
 
-from igrip.perception.registration.clusters import LEAST, Cluster
-from igrip.perception.registration.fit import Fit, fit_cluster, refit
+from igrip.perception.registration.align import Annealing
+from igrip.perception.registration.clusters import MIN_POINTS, Cluster
+from igrip.perception.registration.fit import PoseFit, SearchContext, fit_to_cluster, refit
 from igrip.perception.registration.shape import Shape
-from igrip.perception.registration.signed_distance import look_up_all
-from igrip.perception.registration.view import View
+from igrip.rgbd import Array
 
-Array = NDArray[np.float64]
-
-PARTS = (2, 3)  # into so many parts a group is divided for a start
+PARTS = (2, 3)  # into so many parts a cluster is divided for a start
 ON, BESIDE = 0.008, 0.02  # so near is on a mesh; so near is what it is fitted to [m]
-TOGETHER = 0.8  # share of the group that the meshes must explain together; guess
-OWN = 0.7  # share of what a mesh explains that no other one has explained before; guess
+ANNEALING = Annealing(BESIDE, 0.0, 10)
+MIN_EXPLAINED = 0.8  # share of the cluster that the meshes must explain together; guess
+MIN_OWN = 0.7  # share of what a mesh explains that no other has explained before; guess
 
 
-def part(
-    group: Cluster,
-    wanted: Mapping[str, Shape],
-    view: View,
-    threshold: float,
-    weigh: Callable[[Fit], float],
-    random: np.random.Generator,
-) -> dict[str, Fit]:
-    """Explain a group by two objects or more; nothing, if they leave much of it unexplained.
+class _Candidate(NamedTuple):
+    """A fit, its score, and which points of the cluster are on it, (n,)."""
 
-    The parameters are those of ``search.search``. A single object is
-    never found so: a part of something unknown often looks like something known.
+    score: float
+    fit: PoseFit
+    on: NDArray[np.bool_]
+
+
+def split_cluster(
+    cluster: Cluster, wanted: Mapping[str, Shape], context: SearchContext
+) -> dict[str, PoseFit]:
+    """Explain a cluster by two objects or more; by none, if they leave much of it unexplained.
+
+    A single object is never found so: a part of something unknown often looks like something
+    known. For the parameters see :func:`igrip.perception.registration.search.find_objects`.
     """
     shapes = {shape.name: shape for shape in wanted.values()}
-    candidates: list[tuple[float, Fit, NDArray[np.bool_]]] = []
-    for number in PARTS:
-        labels = _divided(group.points, number)
-        for label in range(number):
+    candidates: list[_Candidate] = []
+    for count in PARTS:
+        labels = _divide(cluster.points, count)
+        for label in range(count):
             own = labels == label
-            if own.sum() < LEAST:
+            if own.sum() < MIN_POINTS:
                 continue
-            top = float(np.percentile(group.points[own, 2], 97.0))
-            some = Cluster(group.points[own], group.depths[own], top)
+            part = cluster.part(own)
             for shape in shapes.values():
-                for rough in fit_cluster(shape, some, view, random)[:1]:
-                    candidates.append(_candidate(rough, group, view, weigh))
-    candidates.sort(key=lambda candidate: -candidate[0])
+                for fit in fit_to_cluster(shape, part, context)[:1]:
+                    candidates.append(_candidate(fit, cluster, context))
+    candidates.sort(key=lambda candidate: -candidate.score)
     left = dict(wanted)
-    found: dict[str, Fit] = {}
-    explained = np.zeros(len(group.points), dtype=np.bool_)
+    found: dict[str, PoseFit] = {}
+    explained = np.zeros(len(cluster.points), dtype=np.bool_)
     for score, fit, on in candidates:
         ids = [id for id, shape in left.items() if shape.name == fit.shape.name]
-        if score < threshold or not ids:
+        if score < context.threshold or not ids:
             continue
-        if (on & ~explained).sum() < OWN * max(on.sum(), 1):
+        if (on & ~explained).sum() < MIN_OWN * max(on.sum(), 1):
             continue
         found[ids[0]] = fit
         del left[ids[0]]
         explained |= on
-    return found if len(found) > 1 and explained.mean() >= TOGETHER else {}
+    return found if len(found) > 1 and explained.mean() >= MIN_EXPLAINED else {}
 
 
-def _candidate(
-    rough: Fit, group: Cluster, view: View, weigh: Callable[[Fit], float]
-) -> tuple[float, Fit, NDArray[np.bool_]]:
-    """Return score, fit and which points of the group are on it, after a fit to all near it."""
-    near = np.abs(_distances(rough, group.points)) < BESIDE
-    fit = refit(rough, group.points[near], group.depths[near], view, BESIDE, 10)
-    away = np.abs(_distances(fit, group.points))
-    # of what is near it, refit says how much it explains: for the cover of a cluster
-    return weigh(fit), fit, away < ON
+def _candidate(rough: PoseFit, cluster: Cluster, context: SearchContext) -> _Candidate:
+    """Fit to all points of the cluster that are near."""
+    near = np.abs(_distances(rough, cluster.points)) < BESIDE
+    # the cover is of what is near it, not of the whole cluster
+    fit = refit(rough, cluster.points[near], cluster.depths[near], context.view, ANNEALING)
+    return _Candidate(context.score(fit), fit, np.abs(_distances(fit, cluster.points)) < ON)
 
 
-def _divided(points: Array, number: int) -> NDArray[np.int64]:
+def _divide(points: Array, number: int) -> NDArray[np.int64]:
     """Return which part each point belongs to (k-means; Lloyd 1982), from starts far apart."""
     flat = points[:, :2]
     middles = flat[[int(np.argmax(((flat - flat.mean(axis=0)) ** 2).sum(axis=1)))]]
     for _ in range(number - 1):
         away = ((flat[:, None] - middles) ** 2).sum(axis=2).min(axis=1)
         middles = np.concatenate([middles, flat[[int(np.argmax(away))]]])
-    labels = np.zeros(len(points), dtype=np.int64)
-    for _ in range(10):
-        labels = ((flat[:, None] - middles) ** 2).sum(axis=2).argmin(axis=1)
-        middles = np.array([
-            flat[labels == k].mean(axis=0) if (labels == k).any() else middles[k]
-            for k in range(number)
-        ])  # fmt: skip
-    return labels
+    return kmeans2(flat, middles, iter=10, minit="matrix")[1].astype(np.int64)
 
 
-def _distances(fit: Fit, points: Array) -> Array:
-    local = np.ascontiguousarray((points - fit.translation) @ fit.rotation)
-    distances = np.empty(len(points))
-    look_up_all(*fit.shape.field, local, distances)
-    return distances
+def _distances(fit: PoseFit, points: Array) -> Array:
+    return fit.shape.surface.field.distances(fit.pose.to_mesh(points))

@@ -1,69 +1,52 @@
-"""One frame as registration sees it: depth, what hides it, the table, and points over it."""
+"""One frame as registration uses it: depth, what hides it, the table, and points over it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.perception.registration.plane import Plane
-from igrip.perception.registration.visibility import smoothed
-from igrip.rgbd import Intrinsics, RgbdFrame
+from igrip.perception.registration.visibility import local_depths
+from igrip.perception.transforms import inverse
+from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
-Array = NDArray[np.float64]
-
-PALM = 0.035  # of what is round the landmarks of a hand, its flesh reaches so far from them [m]
+FLESH = 0.035  # a hand reaches so far beyond its landmarks and the bones between them [m]; guess
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (9, 10, 11, 12), (13, 14, 15, 16), (0, 17, 18, 19, 20))
 
 
-@dataclass(frozen=True, eq=False)
-class View:
-    """A frame and its table.
+class DepthView(NamedTuple):
+    """The depth picture of a frame, and its table.
 
-    Attributes
-    ----------
-    depth : (h, w) float32
-        Along the optical axis [m]; 0 where nothing was measured.
-    mask : (h, w) uint8
-        1 where a hand is in front.
-    intrinsics : Intrinsics
-    pinhole : (4,)
-        fx, fy, cx, cy [pixels].
-    table_from_camera : (4, 4)
-    spread : float
-        Noise of the depth (:class:`igrip.perception.registration.plane.Plane`).
-    base : float
-        Within this distance, and what noise adds, a measurement fits [m].
+    An argument of functions with ``@kernel``: the cache of compiled code notices an edit here.
     """
 
-    depth: NDArray[np.float32]
-    mask: NDArray[np.uint8]
+    depth: NDArray[np.float32]  # (h, w), along the optical axis [m]; 0: not measured
+    mask: NDArray[np.uint8]  # (h, w), 1 where a hand is in front
     intrinsics: Intrinsics
-    pinhole: Array
-    table_from_camera: Array
-    spread: float
-    base: float
-
-    @property
-    def camera_from_table(self) -> Array:
-        """The inverse of ``table_from_camera``."""
-        return inverse(self.table_from_camera)
+    table_from_camera: Array  # (4, 4)
+    camera_from_table: Array
+    noise: float  # as of igrip.perception.registration.plane.Plane
+    tolerance: float  # within this distance, and what noise adds, a measurement fits [m]
 
 
-def view_of(frame: RgbdFrame, hands: Sequence[Array], plane: Plane, base: float) -> View:
-    """Look at a frame; ``hands`` are landmarks, shape (21, 2) each [pixels]."""
+def depth_view(
+    frame: RgbdFrame, hands: Sequence[Array], plane: Plane, tolerance: float
+) -> DepthView:
+    """Return the view of a frame; ``hands`` are landmarks, shape (21, 2) each [pixels]."""
     assert frame.depth is not None
     depth = np.ascontiguousarray(frame.depth, dtype=np.float32)
-    pinhole = np.array(frame.intrinsics[2:], dtype=np.float64)
-    return View(
-        depth, hand_mask(depth, hands, frame.intrinsics.fx), frame.intrinsics, pinhole,
-        plane.table_from_camera, plane.spread, base,
+    width, height, *pinhole = frame.intrinsics
+    return DepthView(
+        depth, hand_mask(depth, hands, frame.intrinsics.fx),
+        Intrinsics(int(width), int(height), *map(float, pinhole)),
+        plane.table_from_camera, inverse(plane.table_from_camera), plane.noise, tolerance,
     )  # fmt: skip
 
 
-def points_of(
+def measured_points(
     depth: NDArray[np.float32], intrinsics: Intrinsics, stride: int, reach: tuple[float, float]
 ) -> tuple[Array, NDArray[np.int64]]:
     """Return the measured points (n, 3) in the camera's frame [m], and their pixels (n, 2).
@@ -71,17 +54,17 @@ def points_of(
     Only every ``stride``-th pixel, and only depths within ``reach`` [m]; each is averaged over the
     pixels about it.
     """
-    some = np.empty(tuple(-(-n // stride) for n in depth.shape))
-    smoothed(depth, stride, *reach, some)
-    v, u = np.nonzero(some)
+    depths = np.empty(tuple(-(-n // stride) for n in depth.shape))
+    local_depths(depth, stride, *reach, depths)
+    v, u = np.nonzero(depths)
     pixels = np.stack([u, v], axis=1) * stride
-    return intrinsics.points(pixels.astype(np.float64), some[v, u]), pixels
+    return intrinsics.points(pixels.astype(np.float64), depths[v, u]), pixels
 
 
 def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> NDArray[np.uint8]:
     """Return 1 where a hand may be, shape (h, w): round its landmarks and the bones between them.
 
-    How wide that is in the picture hangs on how far the hand is: the median of the depths at its
+    Its width in the picture depends on how far the hand is: the median of the depths at its
     landmarks; without any, half a metre.
     """
     mask = np.zeros(depth.shape, dtype=np.uint8)
@@ -93,7 +76,7 @@ def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> 
         depths = depth[v, u]
         measured = depths[depths > 0.0]
         away = float(np.median(measured)) if len(measured) else 0.5
-        radius = PALM * fx / away
+        radius = FLESH * fx / away
         spots = [joints]
         for finger in FINGERS:
             bones = joints[list(finger)]
@@ -107,11 +90,3 @@ def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> 
                 near = (columns - x) ** 2 + (rows - y) ** 2 <= radius**2
                 mask[top:bottom, left:right] |= near.astype(np.uint8)
     return mask
-
-
-def inverse(pose: Array) -> Array:
-    """Return the inverse of a rigid pose, shape (4, 4)."""
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result

@@ -1,19 +1,30 @@
-"""What a depth picture says of a mesh in a pose: seen, hidden, or seen through."""
+"""How a mesh in a pose agrees with a depth picture: visible, hidden, or not there."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from igrip.compiled import kernel
+from igrip.perception.registration.rigid_pose import rotate, rotate_back
 from igrip.perception.registration.signed_distance import look_up
 
-MATCH, FIT, THROUGH, HIDDEN, MISSING, OUTSIDE = 0, 1, 2, 3, 4, 5  # places in the evidence
-GRAZING = 0.15  # a surface seen at a lesser cosine says nothing
+MIN_COSINE = 0.15  # between surface and line of sight; at less nothing is concluded
 CLEAR = 0.003  # first step from the surface towards the camera [m]
-
-
 STEP = 2  # between the nine pixels a depth is averaged over
 SLOPE = 0.012  # how far they may be from the one in the middle, besides noise [m]; guess
+
+
+class Visibility(NamedTuple):
+    """Shares of the area that would be visible if nothing stood before it."""
+
+    match: float  # measured where it should be
+    fit: float  # the same, weighted by how well
+    through: float  # measured farther away: the mesh is not there
+    hidden: float  # measured nearer: something stands before it
+    missing: float  # not measured
+    outside: float  # out of the picture
 
 
 @kernel
@@ -38,18 +49,12 @@ def local_depth(depth, u, v):
 
 
 @kernel
-def smoothed(depth, stride, nearest, farthest, out):
+def local_depths(depth, stride, nearest, farthest, out):
     """Write the local depth of every ``stride``-th pixel, 0 where it is out of reach [m]."""
     for v in range(out.shape[0]):
         for u in range(out.shape[1]):
             z = local_depth(depth, u * stride, v * stride)
             out[v, u] = z if nearest <= z <= farthest else 0.0
-
-
-@kernel
-def tolerance(z, base, spread):
-    """Return within which distance a measurement at depth z fits [m]."""
-    return base + 2.5 * spread * z * z
 
 
 @kernel
@@ -65,112 +70,90 @@ def _hides_itself(values, origin, cell, x, y, z, dx, dy, dz, far, gradient):
 
 
 @kernel
-def judge(
-    depth, mask, pinhole, rotation, translation, samples, normals,
-    values, origin, cell, radius, base, spread, evidence,
-):  # fmt: skip
-    """Compare the side of a mesh that faces the camera with a depth picture.
+def compare_with_depth(view, pose, surface):
+    """Return the :class:`Visibility` of a mesh, of the side that faces the camera.
 
     Parameters
     ----------
-    depth : (h, w) float32
-        Measured [m]; 0 for nothing.
-    mask : (h, w) uint8
-        1 where something else is known to be in front, as a hand.
-    pinhole : (4,)
-        fx, fy, cx, cy [pixels].
-    rotation : (3, 3), translation : (3,)
+    view : igrip.perception.registration.view.DepthView
+        The picture, and within which distance a measurement fits.
+    pose : igrip.perception.registration.rigid_pose.RigidPose
         Camera-from-mesh.
-    samples, normals : (n, 3)
-        Points spread evenly over the surface, and its outward unit normals.
-    values, origin, cell
-        Distance field of the mesh.
-    radius : float
-        Of the mesh [m].
-    base, spread : float
-        Tolerance: ``base + 2.5 spread z²`` [m, 1/m].
-    evidence : (6,), written
-        Visible area, in shares of what faces the camera: of it measured where it should be (MATCH),
-        the same weighted by how well (FIT), measured farther away (THROUGH), nearer (HIDDEN), not
-        measured (MISSING), and out of the picture (OUTSIDE).
+    surface : igrip.perception.registration.shape.Surface
+        Of the mesh.
     """
+    rotation, t = pose
+    values, origin, cell = surface.field
+    points, normals, far = surface.points, surface.normals, 2.0 * surface.radius
+    depth, mask, intrinsics = view.depth, view.mask, view.intrinsics
     g = np.empty(3)
-    evidence[:] = 0.0
+    match, fit, through, hidden, missing, outside = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     total = 0.0
     # the camera, in the frame of the mesh
-    ex = -(rotation[0, 0] * translation[0] + rotation[1, 0] * translation[1]
-           + rotation[2, 0] * translation[2])  # fmt: skip
-    ey = -(rotation[0, 1] * translation[0] + rotation[1, 1] * translation[1]
-           + rotation[2, 1] * translation[2])  # fmt: skip
-    ez = -(rotation[0, 2] * translation[0] + rotation[1, 2] * translation[1]
-           + rotation[2, 2] * translation[2])  # fmt: skip
-    for n in range(samples.shape[0]):
-        sx, sy, sz = samples[n, 0], samples[n, 1], samples[n, 2]
+    ex, ey, ez = rotate_back(rotation, t[0], t[1], t[2])
+    ex, ey, ez = -ex, -ey, -ez
+    for n in range(points.shape[0]):
+        sx, sy, sz = points[n, 0], points[n, 1], points[n, 2]
         dx, dy, dz = ex - sx, ey - sy, ez - sz
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         dx, dy, dz = dx / length, dy / length, dz / length
         weight = dx * normals[n, 0] + dy * normals[n, 1] + dz * normals[n, 2]
-        if weight < GRAZING:
+        if weight < MIN_COSINE:
             continue
-        if _hides_itself(values, origin, cell, sx, sy, sz, dx, dy, dz, 2.0 * radius, g):
+        if _hides_itself(values, origin, cell, sx, sy, sz, dx, dy, dz, far, g):
             continue
         total += weight
-        x = rotation[0, 0] * sx + rotation[0, 1] * sy + rotation[0, 2] * sz + translation[0]
-        y = rotation[1, 0] * sx + rotation[1, 1] * sy + rotation[1, 2] * sz + translation[1]
-        z = rotation[2, 0] * sx + rotation[2, 1] * sy + rotation[2, 2] * sz + translation[2]
+        x, y, z = rotate(rotation, sx, sy, sz)
+        x, y, z = x + t[0], y + t[1], z + t[2]
         if z <= 0.0:
-            evidence[OUTSIDE] += weight
+            outside += weight
             continue
-        u = int(np.floor(pinhole[0] * x / z + pinhole[2] + 0.5))
-        v = int(np.floor(pinhole[1] * y / z + pinhole[3] + 0.5))
+        u = int(np.floor(intrinsics.fx * x / z + intrinsics.cx + 0.5))
+        v = int(np.floor(intrinsics.fy * y / z + intrinsics.cy + 0.5))
         if u < 0 or v < 0 or u >= depth.shape[1] or v >= depth.shape[0]:
-            evidence[OUTSIDE] += weight
+            outside += weight
             continue
-        seen = local_depth(depth, u, v)
+        measured = local_depth(depth, u, v)
         if mask[v, u]:
-            evidence[HIDDEN] += weight
+            hidden += weight
             continue
-        if not seen > 0.0:
-            evidence[MISSING] += weight
+        if not measured > 0.0:
+            missing += weight
             continue
         # how far along the normal the measured point is from the surface: the way along the line
-        # of sight, z over seen as everything on it, times the cosine
-        gap = (1.0 - seen / z) * length * weight
-        limit = tolerance(z, base, spread)
+        # of sight, z over the measured depth as everything on it, times the cosine
+        gap = (1.0 - measured / z) * length * weight
+        limit = view.tolerance + 2.5 * view.noise * z * z
         if abs(gap) < limit:
-            evidence[MATCH] += weight
-            evidence[FIT] += weight * (1.0 - (gap / limit) ** 2)
+            match += weight
+            fit += weight * (1.0 - (gap / limit) ** 2)
         elif gap > 0.0:
-            evidence[HIDDEN] += weight
+            hidden += weight
         else:
-            evidence[THROUGH] += weight
-    if total > 0.0:
-        evidence /= total
+            through += weight
+    total = total if total > 0.0 else 1.0
+    return Visibility(
+        match / total, fit / total, through / total, hidden / total, missing / total,
+        outside / total,
+    )  # fmt: skip
 
 
 @kernel
-def explained(points, depths, rotation, translation, values, origin, cell, base, spread):
-    """Return the share of points (n, 3), at these depths (n,), that lie on the mesh, and how well.
+def share_explained(points, depths, pose, surface, view):
+    """Return which share of points (n, 3) lies on a mesh, weighted by how well.
 
-    The pose is that of the mesh in the frame of the points.
+    ``depths`` (n,) are theirs along the optical axis; ``pose`` is that of the mesh in the frame of
+    the points.
     """
+    rotation, t = pose
+    values, origin, cell = surface.field
     g = np.empty(3)
-    on, well = 0.0, 0.0
+    well = 0.0
     for n in range(points.shape[0]):
-        x, y, z = (
-            points[n, 0] - translation[0],
-            points[n, 1] - translation[1],
-            points[n, 2] - translation[2],
-        )
-        r = look_up(
-            values, origin, cell,
-            rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z,
-            rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z,
-            rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z,
-            g,
-        )  # fmt: skip
-        limit = tolerance(depths[n], base, spread)
+        x, y, z = points[n, 0] - t[0], points[n, 1] - t[1], points[n, 2] - t[2]
+        x, y, z = rotate_back(rotation, x, y, z)
+        r = look_up(values, origin, cell, x, y, z, g)
+        limit = view.tolerance + 2.5 * view.noise * depths[n] * depths[n]
         if abs(r) < limit:
-            on += 1.0
             well += 1.0 - (r / limit) ** 2
-    return on / max(points.shape[0], 1), well / max(points.shape[0], 1)
+    return well / max(points.shape[0], 1)

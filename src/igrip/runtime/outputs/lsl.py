@@ -8,21 +8,22 @@ from __future__ import annotations
 
 import json
 import math
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from igrip.errors import MissingExtraError
+from igrip.errors import requires_extra
 from igrip.intention import Intention
 from igrip.runtime.envelope import Envelope
+from igrip.runtime.loop import Loop
+from igrip.runtime.options import Options
+from igrip.runtime.outputs import OUTPUTS
 from igrip.version import __version__
 
-try:
+# pylsl raises RuntimeError where liblsl is missing
+with requires_extra("pylsl", "outputs", "Lab Streaming Layer", (ImportError, RuntimeError)):
     import pylsl
-except (ImportError, RuntimeError):  # pylsl raises RuntimeError where liblsl is missing
-    raise MissingExtraError("pylsl", "outputs", "Lab Streaming Layer") from None
 
-HANDS = ("left", "right")
+MAX_REMEMBERED = 256  # hands whose newest marker is remembered, however many ids come and go
 CHANNELS = (
     ("confidence", "normalized", "of the target, by the estimator"),
     ("none", "normalized", "probability that it is none of the objects"),
@@ -31,40 +32,41 @@ CHANNELS = (
 )
 
 
+@OUTPUTS.register("lsl")
 class LslOutput:
     """Two outlets: ``NAME-markers`` (type Markers) and ``NAME`` (type Intention).
 
-    Parameters
-    ----------
-    name : str
-        Of the streams.
-    session : str
-        Told as part of the source id, so that a restart is another stream.
-    hands : sequence of str
-        The hands that have channels in the signal.
+    The session is part of the source ids, so that a restart is another stream.
     """
 
-    def __init__(self, name: str, session: str, hands: Sequence[str] = HANDS) -> None:
-        self._hands = tuple(hands)
-        self._markers = pylsl.StreamOutlet(_markers(name, session))
-        self._signal = pylsl.StreamOutlet(_signal(name, session, self._hands))
+    def __init__(self, options: Options) -> None:
+        self._name, self._hands = options.stream_name, options.hands
         self._numbers = {hand: [math.nan, math.nan, math.nan, 0.0] for hand in self._hands}
-        self._told: dict[str, str] = {}
+        self._last_markers: dict[str, str] = {}
         self._sent = 0
+
+    def start(self, loop: Loop) -> None:
+        """Open both outlets."""
+        self._markers = pylsl.StreamOutlet(_markers(self._name, loop.session))
+        self._signal = pylsl.StreamOutlet(_signal(self._name, loop.session, self._hands))
 
     def send(self, envelope: Envelope) -> None:
         """Push the numbers, and a marker if anything changed; liblsl buffers and never waits."""
         intention = envelope.intention
-        at = pylsl.local_clock() - max(0.0, time.monotonic() - envelope.arrived)
-        told = envelope.to_dict()
-        words = marker_of(told)
-        if self._told.get(intention.hand) != words:
-            self._told[intention.hand] = words
-            self._markers.push_sample([words], at)
+        now = pylsl.local_clock()
+        message = envelope.to_dict()
+        arrived = now - message["age"]
+        marker = marker_of(message)
+        if self._last_markers.get(intention.hand) != marker:
+            self._last_markers.pop(intention.hand, None)
+            self._last_markers[intention.hand] = marker
+            if len(self._last_markers) > MAX_REMEMBERED:
+                del self._last_markers[next(iter(self._last_markers))]
+            self._markers.push_sample([marker], arrived)
         if intention.hand in self._numbers:
-            self._numbers[intention.hand] = numbers_of(intention, told["valid_for"])
+            self._numbers[intention.hand] = numbers_of(intention, message["valid_for"])
             flat = [x for hand in self._hands for x in self._numbers[hand]]
-            self._signal.push_sample(flat, at)
+            self._signal.push_sample(flat, arrived)
         self._sent += 1
 
     def counts(self) -> dict[str, int]:
@@ -72,14 +74,14 @@ class LslOutput:
         return {"sent": self._sent}
 
     def close(self) -> None:
-        """End both streams."""
-        del self._markers, self._signal
+        """Close both outlets."""
+        self._markers = self._signal = None
 
 
-def marker_of(told: Mapping[str, Any]) -> str:
-    """Return what is told when it changes, as JSON: ids may hold any characters."""
-    lease = told["commitment"]
-    marker = {key: told[key] for key in ("hand", "status", "target", "grip")}
+def marker_of(message: Mapping[str, Any]) -> str:
+    """Return what is sent when it changes, as JSON: ids may hold any characters."""
+    lease = message["commitment"]
+    marker = {key: message[key] for key in ("hand", "status", "target", "grip")}
     return json.dumps(marker | {"commitment": lease and lease["target"]}, ensure_ascii=False)
 
 

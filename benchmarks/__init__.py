@@ -1,0 +1,1 @@
+"""Benchmarks and measurements outside the wheel, each run as ``python -m benchmarks[.NAME]``."""

@@ -1,0 +1,87 @@
+"""Imported reaches written as a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from igrip.errors import DatasetError
+from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.importers import Importer, ReachReader, RecordedReach
+from igrip.io.resampling import ImportOptions, resample
+from igrip.objects.catalog import Catalog
+
+
+def import_dataset(
+    importer: Importer,
+    reaches: Sequence[ReachReader],
+    out: Path,
+    catalog: Catalog,
+    options: ImportOptions,
+    objects: Sequence[str],
+    problems: list[str] | None = None,
+    on_progress: Callable[[], object] = lambda: None,
+) -> Dataset:
+    """Write reaches as a dataset.
+
+    Parameters
+    ----------
+    importer : Importer
+        Gives the dataset its name, licence and source.
+    reaches : sequence of functions
+        All or some of those that the importer returned.
+    out, objects : Path, sequence of str
+        A new folder, and the sources of the catalog for its ``dataset.json``.
+    problems : list of str, optional
+        Where given, a reach that cannot be used is left out, and the reason added here.
+    on_progress : function
+        Called after each reach.
+
+    Raises
+    ------
+    DatasetError
+        If the folder exists, or a reach cannot be used and there is no list of problems.
+    """
+    writer = DatasetWriter(
+        out,
+        name=importer.name,
+        license=importer.license,
+        source=importer.source,
+        objects=list(objects),
+        derived={
+            "mesh": f"{options.mesh}, upright, the middle of its cylinder at each object's place",
+            "resampled_to_hz": options.rate,
+            "rest_before_onset_s": options.rest,
+            "added_noise_sd_m": options.noise,
+            "seed": options.seed,
+        },
+    )
+    onset = round(options.rest * options.rate) / options.rate  # rest is a whole number of samples
+    with writer:
+        for read in reaches:
+            try:
+                reach = read()
+            except DatasetError as error:
+                if problems is None:
+                    raise
+                problems.append(str(error))
+            else:
+                writer.add(_trial(reach, onset), resample(reach, catalog, options))
+            on_progress()
+        return writer.close()
+
+
+def _trial(reach: RecordedReach, onset: float) -> Trial:
+    end = onset + float(reach.times[-1])
+    return Trial(
+        recording=reach.name,
+        participant=reach.participant,
+        trial=reach.trial,
+        hand=reach.hand,
+        target=reach.target,
+        grip=reach.grip,
+        movement=reach.movement,
+        onset_s=round(onset, 6) if reach.movement_only else None,
+        end_s=round(end, 6) if reach.movement_only else None,
+        extra=reach.extra,
+    )

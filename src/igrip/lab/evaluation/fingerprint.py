@@ -1,0 +1,52 @@
+"""What the rows of an evaluation depend on, as one digest."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from igrip.config import Config
+from igrip.errors import IgripError
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.objects.catalog import YCB
+from igrip.objects.mesh_files import MeshFile, folder_meshes, ycb_meshes
+from igrip.version import __version__
+
+PACKAGE = Path(__file__).parents[2]
+
+
+def fingerprint(dataset: Dataset, configs: Sequence[Config], objects: Sequence[str]) -> str:
+    """Return a digest of the tables, the configurations, the meshes, the code and its weights.
+
+    Recordings are not part of it (:func:`recording_stamp`); ``objects`` are sources as
+    :func:`igrip.load_objects` accepts them.
+    """
+    digest = hashlib.sha256(__version__.encode())
+    for name in ("trials.tsv", "dataset.json"):
+        digest.update((dataset.path / name).read_bytes())
+    for config in configs:
+        digest.update(config.model_dump_json().encode())
+    for source in objects:
+        digest.update(source.encode() + b"\n")
+        for mesh in _meshes(source):
+            digest.update(f"{mesh.name} {mesh.digest()}\n".encode())
+    for path in sorted(path for ending in ("py", "json") for path in PACKAGE.rglob(f"*.{ending}")):
+        digest.update(path.read_bytes())  # another code, other weights, another answer
+    return digest.hexdigest()[:16]
+
+
+def _meshes(source: str) -> Iterable[MeshFile]:
+    """Return the mesh files of a source of objects; a primitive has none."""
+    if source == YCB:
+        return ycb_meshes()
+    return folder_meshes(Path(source)) if Path(source).is_dir() else ()
+
+
+def recording_stamp(dataset: Dataset, trial: Trial) -> str | None:
+    """Return what changes when a recording does; None where there is none."""
+    try:
+        status = dataset.recording(trial).stat()
+    except (IgripError, OSError):
+        return None
+    return f"{status.st_size}-{status.st_mtime_ns}"

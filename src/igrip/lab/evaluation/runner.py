@@ -1,0 +1,150 @@
+"""Estimators over the recordings of a dataset: the same ``update`` as live, in many processes."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, TypeVar
+
+from igrip.config import Config
+from igrip.errors import IgripError
+from igrip.estimator import Estimator
+from igrip.geometry.scene import PlacedObject
+from igrip.intention import Intention
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.recordings import open_source
+from igrip.lab.evaluation.commitments import MessageEvidence
+from igrip.lab.evaluation.recorded_trial import RecordedTrial
+from igrip.objects.catalog import Catalog
+from igrip.observation import Observation
+
+Result = TypeVar("Result")
+MIN_TRIALS = 20  # for each process: it takes seconds to start
+MAX_CHUNK = 20  # trials sent to a process together: progress should show
+_analyse_in_worker: Callable[[Trial], Any]  # set in worker processes only
+
+
+class EstimatorRun:
+    """An estimator at work, and all that it answered."""
+
+    def __init__(self, catalog: Catalog, config: Config) -> None:
+        self.config = config
+        self.estimator = Estimator(catalog, config)
+        self.intentions: list[Intention] = []  # all, in order
+        self.speeds: list[float] = []  # of the hand of each [m/s]; NaN: not known
+        self.evidence: list[MessageEvidence] = []  # after each message
+
+    def update(self, observation: Observation) -> list[Intention]:
+        """Process one message; return the new intentions."""
+        estimator = self.estimator
+        intentions = estimator.update(observation)
+        hands = estimator.hands
+        self.intentions += intentions
+        for intention in intentions:
+            motion = hands[intention.hand].motion
+            answered = intention.status in ("idle", "reaching", "holding")
+            self.speeds.append(motion.speed if answered and motion else math.nan)
+        # which objects are trusted changes with the next message, so it is written down now
+        evidence = {
+            hand: e._replace(
+                trusted_objects=frozenset(id for id in e.distances if id in e.trusted_objects)
+            )
+            for hand, e in estimator.evidence.items()
+        }
+        self.evidence.append(MessageEvidence(evidence, frozenset(estimator.rejected_hands)))
+        return intentions
+
+
+@dataclass
+class TrialRun:
+    """What a recording holds, and what estimators answered to it."""
+
+    recorded: RecordedTrial  # the trial, and the detections of its hand and target
+    estimators: Sequence[EstimatorRun]  # one per configuration
+    objects: list[PlacedObject] = field(default_factory=list)  # at the onset, or else at the end
+    unknown_objects: list[str] = field(default_factory=list)  # without a model, with the reason
+    cut: str | None = None  # where the recording was cut off
+    problem: str | None = None  # why there is nothing to score
+
+    @property
+    def trial(self) -> Trial:
+        """Its row of the table."""
+        return self.recorded.trial
+
+
+def run_trial(
+    dataset: Dataset, trial: Trial, catalog: Catalog, configs: Sequence[Config]
+) -> TrialRun:
+    """Run estimators over one recording, which is read once."""
+    run = TrialRun(RecordedTrial(trial), [EstimatorRun(catalog, config) for config in configs])
+    if trial.problem:
+        run.problem = trial.problem
+        return run
+    first = run.estimators[0].estimator
+    try:
+        reader = open_source(dataset.recording(trial))
+        for observation in reader:
+            run.recorded.add(observation)
+            for estimator in run.estimators:
+                estimator.update(observation)
+            if trial.onset_s is None or observation.t <= trial.onset_s or not run.objects:
+                run.objects = first.objects
+        run.cut = getattr(reader, "cut", None)
+    except IgripError as error:
+        run.problem = str(error)
+    except Exception as error:  # one odd recording must not end the evaluation of all others
+        run.problem = f"cannot be evaluated: {error!r:.200}"
+    inputs = first.inputs()["objects"]
+    run.unknown_objects = sorted(
+        f"{id}: {state['reason']}" for id, state in inputs.items() if not state["known"]
+    )
+    return run
+
+
+def run_trials(
+    dataset: Dataset,
+    catalog: Catalog,
+    configs: Sequence[Config],
+    analyse: Callable[[TrialRun], Result],
+    trials: Sequence[Trial],
+    jobs: int = 1,
+) -> Iterator[Result]:
+    """Run estimators over trials of a dataset, in parallel processes; yield in order.
+
+    ``analyse`` reduces a :class:`TrialRun` to what is wanted of it; another process finds it by its
+    name. With ``jobs`` (:func:`count_jobs`) of 1 there is no other process.
+    """
+    run = partial(run_trial, dataset, catalog=catalog, configs=tuple(configs))
+    if jobs <= 1:
+        yield from (analyse(run(trial)) for trial in trials)
+        return
+    context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
+    with ProcessPoolExecutor(jobs, context, _start_worker, (run, analyse)) as pool:
+        chunk = max(1, min(MAX_CHUNK, len(trials) // (8 * jobs)))
+        yield from pool.map(_work, trials, chunksize=chunk)
+
+
+def count_jobs(jobs: int, trials: int) -> int:
+    """Return how many processes to use when ``jobs`` are asked for; 0: one per processor."""
+    return max(1, min(jobs or os.cpu_count() or 1, trials // MIN_TRIALS))
+
+
+def spread(trials: Sequence[Trial], limit: int) -> list[Trial]:
+    """Return ``limit`` trials evenly spread over the table; 0: all."""
+    count = min(limit or len(trials), len(trials))
+    return [trials[k * len(trials) // count] for k in range(count)]
+
+
+def _start_worker(run: Callable[[Trial], TrialRun], analyse: Callable[[TrialRun], Any]) -> None:
+    """Keep what all trials of a process share: models take time to read."""
+    global _analyse_in_worker
+    _analyse_in_worker = lambda trial: analyse(run(trial))  # noqa: E731
+
+
+def _work(trial: Trial) -> Any:
+    return _analyse_in_worker(trial)

@@ -1,0 +1,1 @@
+"""How fast the estimator is on this machine, beside other ray engines in the same run."""

@@ -1,1 +1,0 @@
-"""What every hand detector shares: palms, ids, tiles of a picture."""

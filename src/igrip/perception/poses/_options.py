@@ -1,0 +1,38 @@
+"""Options of pose estimators, from the command line and from Python."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from igrip.errors import IgripError
+from igrip.settings import Settings
+
+S = TypeVar("S", bound=Settings)
+
+
+def parse_options(texts: Sequence[str]) -> dict[str, Any]:
+    """Return the options in texts ``NAME=VALUE``; a value may be JSON. Others raise IgripError."""
+    options: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name:
+            raise IgripError(f"option {text!r}: write NAME=VALUE")
+        try:
+            options[name] = json.loads(value) if value[:1] in "{[" else value
+        except ValueError as error:
+            raise IgripError(f"option {name}: is no JSON: {error}") from None
+    return options
+
+
+def validated(kind: type[S], estimator: str, options: Mapping[str, Any]) -> S:
+    """Return an estimator's options as its settings, or raise an IgripError that names it."""
+    try:
+        return kind(**options)
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = ".".join(map(str, first["loc"]))
+        raise IgripError(": ".join(filter(None, (estimator, name, first["msg"])))) from error

@@ -1,0 +1,155 @@
+"""When a reach ends: a learned prediction of the times of contact and of the end, with intervals.
+
+A small network reads the features of the movement towards its target, the time since the onset and
+the distance that is left, and returns the 10 %, 50 % and 90 % quantiles of the logarithms of both
+times (quantile regression, Koenker & Bassett 1978).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.compiled import kernel
+from igrip.errors import IgripError
+from igrip.geometry.cylinder import Cylinders
+from igrip.learned_weights import numbers, read_learned
+from igrip.motion.trajectory import Motion
+from igrip.targets.learned.features import LOCAL, SHARED, features_of
+
+Array = NDArray[np.float64]
+FORMAT = "igrip-timing/1"
+FILE = Path(__file__).with_name("timing.json")
+INPUTS = (*LOCAL, *SHARED, "log_elapsed", "log_distance")
+QUANTILES = (0.1, 0.5, 0.9)
+CONTACT_DISTANCE = 0.08  # m from palm to surface at which a grasp makes contact (SPEC §9)
+MIN_ELAPSED, MIN_DISTANCE = 0.03, 0.02  # s, m: keep the logarithms finite
+MAX_INPUT = 4.0
+
+
+class Prediction(NamedTuple):
+    """Seconds from the newest measurement on.
+
+    Attributes
+    ----------
+    low, median, high : float
+        Quantiles 10 %, 50 % and 90 %; so the interval holds the truth in 80 % of cases.
+    """
+
+    low: float
+    median: float
+    high: float
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 10 % and 90 % quantiles [s]."""
+        return self.low, self.high
+
+    def after(self, seconds: float) -> Prediction:
+        """Return the same seen from a later moment; never negative."""
+        return Prediction(*(max(0.0, time - seconds) for time in self))
+
+
+class Timing(NamedTuple):
+    """When a hand comes within 8 cm of its target's surface, and when its movement ends."""
+
+    contact: Prediction
+    end: Prediction
+
+
+@kernel
+def _evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, outputs):
+    """Write the logarithms of the six quantiles."""
+    outputs[:] = out_bias
+    for h in range(len(bias)):
+        total = bias[h]
+        for i in range(len(inputs)):
+            value = (inputs[i] - mean[i]) / scale[i]
+            total += min(max(value, -MAX_INPUT), MAX_INPUT) * hidden[i, h]
+        unit = math.tanh(total)
+        for k in range(len(outputs)):
+            outputs[k] += unit * out_weights[h, k]
+
+
+def timing_inputs(motion: Motion, target: Cylinders) -> Array:
+    """Return what the network reads, in the order of :data:`INPUTS`.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of a hand that moves or may have begun to.
+    target : Cylinders
+        The one cylinder of its target.
+    """
+    features = features_of(motion.reach, target)
+    elapsed, distance = motion.reach.elapsed, target.distance(0, motion.position)
+    tail = [math.log(elapsed + MIN_ELAPSED), math.log(distance + MIN_DISTANCE)]
+    return np.concatenate([features.local[0], features.shared, tail])
+
+
+class TimingModel(NamedTuple):
+    """The network.
+
+    Attributes
+    ----------
+    mean, scale : (i,)
+        Inputs are standardised by them, and bounded to ±4.
+    hidden : (i, h), bias : (h,)
+        Of the hidden layer of tanh units.
+    out_weights : (h, 6), out_bias : (6,)
+        Of the outputs: three quantiles of the time to contact, three of that to the end.
+    """
+
+    mean: Array
+    scale: Array
+    hidden: Array
+    bias: Array
+    out_weights: Array
+    out_bias: Array
+
+    def predict(self, motion: Motion, target: Cylinders) -> Timing:
+        """Return the times for a hand that may move, from the one cylinder of its target."""
+        return self.evaluate(timing_inputs(motion, target))
+
+    def evaluate(self, inputs: Array) -> Timing:
+        """Return the times from the inputs, shape (i,)."""
+        outputs = np.empty(2 * len(QUANTILES))
+        _evaluate(inputs, *self, outputs)
+        contact, end = np.sort(np.exp(outputs).reshape(2, -1), axis=1).tolist()
+        return Timing(Prediction(*contact), Prediction(*end))
+
+
+@cache
+def default_timing() -> TimingModel:
+    """Return the network that ships."""
+    return read_timing(FILE)
+
+
+def read_timing(path: Path) -> TimingModel:
+    """Read the network.
+
+    Raises
+    ------
+    IgripError
+        If the file is not of this format, or was made for other inputs.
+    """
+    content = read_learned(path, FORMAT)
+    if tuple(content.get("inputs", ())) != INPUTS:
+        raise IgripError(f"{path}: was made for other inputs; train it anew (make train)")
+    width, outputs = len(INPUTS), 2 * len(QUANTILES)
+    units = len(numbers(content, ["bias"], (-1,), path))
+    scale = numbers(content, ["scale"], (width,), path)
+    if not (scale > 0.0).all():
+        raise IgripError(f"{path}: scales must be positive")
+    return TimingModel(
+        numbers(content, ["mean"], (width,), path), scale,
+        numbers(content, ["hidden"], (width, units), path),
+        numbers(content, ["bias"], (units,), path),
+        numbers(content, ["out_weights"], (units, outputs), path),
+        numbers(content, ["out_bias"], (outputs,), path),
+    )  # fmt: skip
