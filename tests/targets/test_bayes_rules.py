@@ -19,16 +19,22 @@ from igrip.targets.bayes import (
     pool,
     resting_posterior,
 )
+from igrip.targets.learned.features import SHARED, Features
 
 MEMORY = 0.05
 
 
 def estimator(monkeypatch, scores):
     """Return an estimator whose scorer gives these log-odds by id, whatever the movement."""
-    monkeypatch.setattr("igrip.targets.bayes.features_of", lambda reach, cylinders: cylinders)
-    scorer = SimpleNamespace(
-        memory=MEMORY, score=lambda ids: np.array([scores[id] for id in ids], dtype=float)
+    monkeypatch.setattr(
+        "igrip.targets.bayes.features_of",
+        lambda reach, cylinders: Features(cylinders, np.zeros(len(SHARED))),
     )
+
+    def score(features):
+        return np.array([scores[id] for id in features.local], dtype=float)
+
+    scorer = SimpleNamespace(memory=MEMORY, score=score)
     return Bayes(scorer)
 
 
@@ -177,6 +183,14 @@ def test_none_may_be_as_likely_as_its_limit(monkeypatch, none, moving, target):
     bayes.update(*frame(0.0, "a", moving=False))
     bayes._posterior[:] = 1.0 - none, none
     assert bayes.update(*frame(0.0, "a", moving)).target == target
+
+
+def test_the_familiarity_is_that_of_a_movement(monkeypatch):
+    bayes = estimator(monkeypatch, {"a": -5.0})
+    assert bayes.update(*frame(0.0, "a", moving=False)).familiarity is None
+    strange = bayes.update(*frame(0.1, "a", moving=True)).familiarity
+    assert 0.0 <= strange <= 1.0
+    assert bayes.update(*frame(0.2, "a", moving=False)).familiarity is None
 
 
 def test_no_object_no_target(monkeypatch):
