@@ -307,3 +307,12 @@ def test_a_point_at_the_minimal_speed_has_a_cone(shapes, speed, cones):
     hand = moving(np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0], [0.0, 0.0, 0.0]]))
     scene.measure([hand], [placed(shapes[BOX], translation=(0.3, 0.0, 0.0))])
     assert scene.counters[2] == 36 * cones
+
+
+def test_without_objects_every_array_is_empty():
+    hand = moving(np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    [geometry] = Scene(RayConfig()).measure([hand], [])
+    for name in ("hits", *ARRAYS):
+        assert getattr(geometry, name).shape == (0,), name
+    assert math.isnan(geometry.spread)
+    assert geometry.cylinders().centre.shape == (0, 3)
