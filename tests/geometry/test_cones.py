@@ -116,3 +116,61 @@ def test_culling_by_the_sphere_never_loses_a_ray(seed):
                 assert ray_passes
             if gap > 1e-9:
                 assert not ray_passes
+
+
+def meets(v, tangent, p, sphere):
+    """Whether a ray within the cone meets the sphere, by angles; None where culling may be lax.
+
+    A sphere beside the apex and not ahead of it need not be culled.
+    """
+    away = sphere[:3] - p
+    distance = np.linalg.norm(away)
+    if distance <= sphere[3]:
+        return True
+    cosine = np.clip(away @ v / distance / np.linalg.norm(v), -1.0, 1.0)
+    half_angle = math.atan(tangent)
+    beyond = math.acos(cosine) - half_angle
+    if beyond >= math.pi / 2:
+        return False if -distance * math.cos(beyond) >= sphere[3] else None
+    return distance * math.sin(max(0.0, beyond)) <= sphere[3]
+
+
+@given(st.integers(0, 10_000))
+def test_a_cone_is_culled_if_and_only_if_no_ray_in_it_can_meet_the_sphere(seed):
+    rng = np.random.default_rng(seed)
+    counts = {True: 0, False: 0, None: 0}
+    for _ in range(200):
+        sphere = np.append(rng.normal(0.0, 0.3, 3), rng.uniform(0.01, 0.3))
+        p, v = rng.normal(0.0, 0.4, 3), rng.normal(0.0, 1.0, 3)
+        tangent = rng.uniform(0.05, 1.5)
+        wider, narrower = (
+            meets(v, tangent, p, np.append(sphere[:3], sphere[3] * part)) for part in (1.001, 0.999)
+        )
+        if wider != narrower:
+            continue  # at the border
+        counts[wider] += 1
+        if wider is not None:
+            assert cones_module.cone_can_meet(v, tangent, p, sphere) == wider
+    assert counts[True] > 10
+    assert counts[False] > 10
+
+
+@given(st.integers(0, 10_000), st.floats(0.01, 2.0))
+def test_a_ray_is_culled_if_and_only_if_it_misses_the_sphere(seed, tangent):
+    """From the sphere's place relative to the cone, as the kernel does it."""
+    rng = np.random.default_rng(seed)
+    pattern, d, counts = ray_pattern(36), np.empty(3), [0, 0]
+    for _ in range(10):
+        sphere = np.append(rng.normal(0.0, 0.2, 3), rng.uniform(0.01, 0.2))
+        p, v = rng.normal(0.0, 0.3, 3), rng.normal(0.0, 1.0, 3)
+        frame = frame_of(p, v, sphere[:3])
+        parts = cones_module.sphere_from(frame, p, sphere)
+        for k in range(36):
+            cones_module.ray_direction(frame, tangent, pattern, k, d)
+            along = max(0.0, d @ (sphere[:3] - p)) / (d @ d)
+            gap = np.linalg.norm(p + along * d - sphere[:3]) - sphere[3]
+            if abs(gap) > 1e-6:
+                passes = cones_module.ray_can_meet(*parts, *(tangent * pattern[k]))
+                assert passes == (gap < 0.0)
+                counts[passes] += 1
+    assert sum(counts) > 300

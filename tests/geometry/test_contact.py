@@ -37,20 +37,20 @@ def path(coefficients, s):
     return coefficients[0] + s * coefficients[1] + s * s * coefficients[2]
 
 
-def random_path(rng):
+def random_path(rng, bend):
     """Return a path that begins further away than a contact."""
     while True:
-        c = np.stack([rng.uniform(-0.5, 0.5, 3), rng.normal(0, 0.4, 3), rng.normal(0, 1.0, 3)])
+        c = np.stack([rng.uniform(-0.5, 0.5, 3), rng.normal(0, 0.4, 3), rng.normal(0, bend, 3)])
         if box_distance(c[0], HALF) > REACH + 0.01:
             return c
 
 
-def contact_cases(count):
+def contact_cases(count, bend=1.0):
     """Yield paths, and the first time at which each is within reach (None: never)."""
     rng = np.random.default_rng(0)
     times = np.arange(0.0, LIMIT, 5e-4)
     for _ in range(count):
-        c = random_path(rng)
+        c = random_path(rng, bend)
         away = box_distance(path(c, times), HALF)
         if abs(away.min() - REACH) < 1e-3:
             continue  # it grazes: within the tolerance either answer is right
@@ -58,9 +58,10 @@ def contact_cases(count):
         yield c, times[inside[0]] if len(inside) else None
 
 
-def test_contact_is_where_the_path_first_comes_near(shapes):
+@pytest.mark.parametrize("bend", [1.0, 6.0])
+def test_contact_is_where_the_path_first_comes_near(shapes, bend):
     found = 0
-    for c, expected in contact_cases(1500):
+    for c, expected in contact_cases(1500, bend):
         s, *point = approach(shapes[BOX], c)
         if math.isnan(s):
             continue  # the next test asks whether it may be
@@ -76,10 +77,11 @@ def test_contact_is_where_the_path_first_comes_near(shapes):
     assert found > 40
 
 
-def test_no_contact_is_missed(shapes):
+@pytest.mark.parametrize("bend", [1.0, 6.0])
+def test_no_contact_is_missed(shapes, bend):
     """The path comes clearly nearer than the reach before the limit: there is a contact."""
     missed = total = 0
-    for c, expected in contact_cases(1500):
+    for c, expected in contact_cases(1500, bend):
         if expected is None:
             assert math.isnan(approach(shapes[BOX], c)[0])
             continue

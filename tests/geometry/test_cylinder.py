@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from igrip.geometry.cylinder import Cylinders
+from igrip.geometry.cylinder import Cylinders, axis_of, centre_of, size_of, velocity_of
 from igrip.geometry.scene import PlacedObject, RayConfig, Scene
 from support import BOX, CAN
 
@@ -42,6 +42,29 @@ def test_cylinders_are_those_of_the_models_in_the_world(shapes, at_rest):
 def test_nothing_has_no_cylinders(at_rest):
     [geometry] = Scene(RayConfig()).measure([at_rest], [])
     assert len(geometry.cylinders().radius) == 0
+
+
+@pytest.mark.parametrize("o", [0, 1])
+def test_rows_and_properties_are_what_was_put_in(o):
+    rng = np.random.default_rng(1)
+    parts = (
+        rng.normal(size=(2, 3)), rng.normal(size=(2, 3)), rng.random(2), rng.random(2),
+        rng.normal(size=(2, 3)),
+    )  # fmt: skip
+    cylinders = Cylinders.of(*parts)
+    centre, axis, half_length, radius, velocity = parts
+    properties = (
+        cylinders.centre, cylinders.axis, cylinders.half_length, cylinders.radius,
+        cylinders.velocity,
+    )  # fmt: skip
+    for found, put in zip(properties, parts, strict=True):
+        assert found.tolist() == put.tolist()
+    row = cylinders.rows[o]
+    assert centre_of(row).tolist() == centre[o].tolist()
+    assert axis_of(row).tolist() == axis[o].tolist()
+    assert velocity_of(row).tolist() == velocity[o].tolist()
+    assert size_of(row) == (half_length[o], radius[o])
+    assert cylinders.one(o).rows.tolist() == [row.tolist()]
 
 
 @pytest.fixture

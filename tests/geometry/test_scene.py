@@ -247,3 +247,72 @@ def test_other_numbers_of_rays(shapes, rays):
         fan = cones.directions(apex, turned, mesh.middle, axes[[2, 0]], rays)
         expected += int((meshes.ray_margins(mesh.corners, apex, fan) >= 0.0).sum())
     assert geometry.hits[0] == expected
+
+
+def rays_that_meet(corners, origins, directions):
+    """Return how many rays meet a mesh, every ray against every triangle (Möller & Trumbore)."""
+    a, e1, e2 = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    met = 0
+    for p, d in zip(origins, directions, strict=True):
+        q = np.cross(d, e2)
+        determinant = (e1 * q).sum(axis=1)
+        with np.errstate(all="ignore"):
+            u = ((p - a) * q).sum(axis=1) / determinant
+            r = np.cross(p - a, e1)
+            v, t = (r @ d) / determinant, (e2 * r).sum(axis=1) / determinant
+        hits = (determinant != 0.0) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t >= 0.0)
+        met += bool(hits.any())
+    return met
+
+
+@pytest.mark.parametrize("model", [BOX, CAN])
+@pytest.mark.parametrize("seed", range(6))
+def test_hits_and_distances_are_those_of_every_ray_against_every_triangle(shapes, model, seed):
+    """Whatever the trees, the bounding spheres and the spheres inside leave out."""
+    rng = np.random.default_rng(seed)
+    body = placed(
+        shapes[model], rotation=random_turn(rng).as_matrix(), translation=rng.normal(0, 0.2, 3)
+    )
+    hand = towards(rng, body.centre, speed=(0.1, 0.5, 2.0)[seed % 3])
+    scene = Scene(RayConfig(rays_per_cone=9))
+    [geometry] = scene.measure([hand], [body])
+    directions, lengths = scene.impacts(hand, body)
+    corners = (shapes[model].vertices @ body.rotation.T + body.translation)[shapes[model].faces]
+    origins = np.repeat(hand.future, 9, axis=0)
+    rays = directions.reshape(-1, 3)
+    known = np.isfinite(rays).all(axis=1)
+    assert geometry.hits[0] == rays_that_meet(corners, origins[known], rays[known])
+    assert geometry.hits[0] == np.isfinite(lengths).sum()
+    vertices = corners.reshape(-1, 3)
+    for point, distance in ((hand.position, "vertex"), (hand.future.mean(axis=0), "future_vertex")):
+        nearest = np.linalg.norm(vertices - point, axis=1).min()
+        assert getattr(geometry, distance)[0] == pytest.approx(nearest, rel=1e-12)
+
+
+def test_without_a_minimal_speed_a_point_at_rest_still_has_no_cone(shapes):
+    body = placed(shapes[BOX], translation=(0.3, 0.0, 0.0))
+    hand = moving(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    scene = Scene(RayConfig(min_speed=0.0))
+    [geometry] = scene.measure([hand], [body])
+    assert geometry.hits.tolist() == [0]
+    assert scene.counters[2] == 0
+    directions, lengths = scene.impacts(hand, body)
+    assert np.isnan(directions).all()
+    assert np.isinf(lengths).all()
+
+
+@pytest.mark.parametrize(("speed", "cones"), [(0.03, 10), (0.0299, 0)])
+def test_a_point_at_the_minimal_speed_has_a_cone(shapes, speed, cones):
+    scene = Scene(RayConfig())
+    hand = moving(np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    scene.measure([hand], [placed(shapes[BOX], translation=(0.3, 0.0, 0.0))])
+    assert scene.counters[2] == 36 * cones
+
+
+def test_without_objects_every_array_is_empty():
+    hand = moving(np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    [geometry] = Scene(RayConfig()).measure([hand], [])
+    for name in ("hits", *ARRAYS):
+        assert getattr(geometry, name).shape == (0,), name
+    assert math.isnan(geometry.spread)
+    assert geometry.cylinders().centre.shape == (0, 3)

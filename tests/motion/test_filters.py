@@ -10,7 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from igrip.motion.filters import OneEuroConfig, OrientationFilter, PositionFilter, smoothing
+from igrip.motion.filters import (
+    OneEuroConfig,
+    OrientationFilter,
+    PoseFilter,
+    PositionFilter,
+    smoothing,
+)
 from oracle import filters
 from support import random_turn
 
@@ -149,3 +155,76 @@ def test_smoothing_is_a_weight_that_grows_with_cutoff_and_time(cutoff, dt):
     assert weight == pytest.approx(filters.alpha(cutoff, dt), rel=1e-12)
     assert smoothing(2.0 * cutoff, dt) >= weight
     assert smoothing(cutoff, 2.0 * dt) >= weight
+
+
+def posed(count=30, turning_by=0.3, options=CONFIGS[0], length=1.0):
+    """Return a filter of poses and one of each kind, after the same samples."""
+    rng = np.random.default_rng(6)
+    config = OneEuroConfig(**options)
+    times, turns = uneven(rng, count), turning(rng, count, turning_by).as_quat()
+    points = np.cumsum(rng.normal(0.0, 0.05, (count, 3)), axis=0)
+    pose, point, turn = (
+        PoseFilter(config, config),
+        PositionFilter(config),
+        OrientationFilter(config),
+    )
+    for t, p, q in zip(times, points, turns, strict=True):
+        pose.update(t, tuple(p), tuple(length * q))
+        point.update(t, tuple(p))
+        turn.update(t, tuple(q))
+    return pose, point, turn
+
+
+@pytest.mark.parametrize("count", [1, 2, 30])
+@pytest.mark.parametrize("length", [1.0, 0.996])  # of a quaternion that is not quite of unit length
+def test_a_filter_of_poses_is_one_of_each_kind(count, length):
+    pose, point, turn = posed(count, length=length)
+    assert pose.position.value == pytest.approx(point.value, abs=1e-15)
+    assert pose.position.velocity == pytest.approx(point.velocity, abs=1e-12)
+    assert pose.orientation.value == pytest.approx(turn.value, abs=1e-12)
+    assert pose.orientation.velocity == pytest.approx(turn.velocity, abs=1e-10)
+
+
+def test_nothing_has_begun_before_the_first_sample():
+    assert OrientationFilter(OneEuroConfig()).value is None
+    pose = PoseFilter(OneEuroConfig(), OneEuroConfig())
+    assert not pose.begun
+    pose.update(0.0, (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0))
+    assert pose.begun
+    assert pose.orientation.value == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_a_placed_point_is_that_of_rigid_motion():
+    """v + ω × r, with rotation and translation as scipy makes them."""
+    pose, point, turn = posed()
+    local = np.array([0.1, -0.2, 0.05])
+    placed = pose.place(local, 0.0)
+    rotation = Rotation.from_quat(turn.value)
+    assert placed.rotation == pytest.approx(rotation.as_matrix(), abs=1e-12)
+    assert placed.translation == pytest.approx(np.array(point.value), abs=1e-12)
+    assert placed.point == pytest.approx(rotation.apply(local) + point.value, abs=1e-12)
+    velocity = np.array(point.velocity) + np.cross(turn.velocity, rotation.apply(local))
+    assert placed.velocity == pytest.approx(velocity, abs=1e-10)
+    assert [array.shape for array in placed] == [(3, 3), (3,), (3,), (3,)]
+
+
+@pytest.mark.parametrize(("part", "rests"), [(0.999, False), (1.001, True)])
+def test_a_placed_point_that_is_slower_than_the_rest_speed_rests(part, rests):
+    pose, *_ = posed()
+    speed = float(np.linalg.norm(pose.place(np.zeros(3), 0.0).velocity))
+    velocity = pose.place(np.zeros(3), part * speed).velocity
+    assert velocity.tolist() == [0.0, 0.0, 0.0] if rests else np.linalg.norm(velocity) == speed
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-7, 1e-5, 2e-4])
+def test_small_turns_lose_no_digits(size):
+    """Where sines are replaced by their series."""
+    config = OneEuroConfig(min_cutoff=1.0, beta=0.0, derivative_cutoff=1.0)
+    ours, axis = OrientationFilter(config), np.array([0.6, 0.0, -0.8])
+    ours.update(0.0, (0.0, 0.0, 0.0, 1.0))
+    turned = Rotation.from_rotvec(size * axis)
+    ours.update(0.1, tuple(turned.as_quat()))
+    weight = filters.alpha(1.0, 0.1)
+    found = Rotation.from_quat(ours.value).as_rotvec()
+    assert found == pytest.approx(weight * size * axis, rel=1e-8, abs=1e-18)
+    assert ours.derivative == pytest.approx(weight * size * axis / 0.1, rel=1e-6)

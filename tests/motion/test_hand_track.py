@@ -89,3 +89,90 @@ def test_a_frozen_hand_is_named():
     assert "frozen" in hand.reason(29 / 30)
     seen(hand, 1.0, 0.25 + 1e-9)
     assert hand.reason(1.0) is None
+
+
+EXACT = GatingConfig(max_hand_age=0.25, frozen_after=0.5)  # numbers that binary floats hold exactly
+STEP = 0.0625
+
+
+def followed(samples=6, dx=0.001):
+    """Return a track of a hand that was measured until 1 s."""
+    hand = HandTrack("right", MotionConfig(), EXACT)
+    for k in range(samples):
+        seen(hand, 1.0 - STEP * (samples - 1 - k), dx * k)
+    return hand
+
+
+def test_a_hand_that_is_followed_is_trusted():
+    hand = followed()
+    assert hand.status == "idle"
+    assert hand.is_followed
+    assert hand.trusted
+    assert not hand.is_stale
+
+
+@pytest.mark.parametrize(
+    ("change", "status"),
+    [
+        (lambda: followed(samples=2), "warming_up"),
+        (lambda: seen_after(followed(), 0.9), "invalid"),
+        (lambda: advanced(followed(), 1.3125), "lost"),
+    ],
+)
+def test_a_hand_with_another_status_is_neither_followed_nor_trusted(change, status):
+    hand = change()
+    assert hand.status == status
+    assert not hand.is_followed
+    assert not hand.trusted
+
+
+def seen_after(hand, x, now=1.0 + STEP):
+    seen(hand, now, x)
+    return hand
+
+
+def advanced(hand, now):
+    hand.advance(now)
+    return hand
+
+
+def test_a_frozen_hand_and_one_at_the_place_of_another_are_followed_but_not_trusted():
+    frozen = followed(samples=10, dx=0.0)
+    assert "frozen" in frozen.reason(1.0)
+    doubled = followed()
+    doubled.same_as = "left"
+    assert doubled.reason(1.0) == "contradictory: is where hand left is"
+    for hand in (frozen, doubled):
+        assert hand.is_followed
+        assert not hand.trusted
+
+
+def test_a_hand_is_steady_again_once_nothing_was_rejected_for_the_age_limit():
+    hand = followed()
+    assert hand.is_steady(1.0)
+    seen(hand, 1.0 + STEP, 0.9)  # it jumps
+    for k in range(2, 6):
+        seen(hand, 1.0 + k * STEP, 0.006)
+    assert not hand.is_steady(1.0 + 5 * STEP)  # just the limit of 0.25 s later
+    seen(hand, 1.0 + 6 * STEP, 0.007)
+    assert hand.is_steady(1.0 + 6 * STEP)
+    assert not advanced(hand, 2.0).is_steady(2.0)  # it is no longer measured
+    assert hand.is_stale
+
+
+def test_a_hand_that_was_never_accepted_is_not_steady():
+    hand = HandTrack("right", MotionConfig(), EXACT)
+    seen(hand, 1.0, 500.0)
+    assert not hand.is_steady(1.0)
+    assert not hand.is_steady(9.0)
+    assert hand.status == "invalid"
+    hand.advance(9.0)
+    assert hand.reason(9.0) == "never measured in a way that could be believed"
+
+
+def test_a_rejection_is_named_for_the_age_limit_and_then_the_loss():
+    hand = seen_after(followed(), 0.9)
+    hand.advance(1.0 + 5 * STEP)
+    assert "jumped" in hand.reason(1.0 + 5 * STEP)
+    hand.advance(1.0 + 6 * STEP)
+    assert hand.status == "lost"

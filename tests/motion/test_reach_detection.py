@@ -10,7 +10,8 @@ import pytest
 
 from igrip.lab.simulation.minimum_jerk import reach
 from igrip.motion.reach_detection import ReachConfig, ReachDetector
-from igrip.motion.reach_kernel import MAX_POINTS
+from igrip.motion.reach_kernel import MAX_POINTS, extent_of, noise_variance_of, times_of
+from oracle.reaches import Reaches
 
 START, GOAL = np.array([0.1, 0.0, 0.05]), np.array([0.1, 0.4, 0.05])
 RATES = (15.0, 30.0, 60.0, 120.0)
@@ -174,3 +175,99 @@ def test_it_is_causal_and_a_shifted_clock_changes_nothing():
     config = ReachConfig(min_rest_duration=0.09)  # no multiple of the time between two frames
     here = [one.phase for one in followed(times, points, config)]
     assert [one.phase for one in followed(times + 1e6, points, config)] == here
+
+
+def wandering(seed, rate):
+    """Return a hand that rests, reaches, goes back and reaches again, in noise, at uneven times."""
+    rng = np.random.default_rng(seed)
+    times = np.cumsum(rng.uniform(0.5, 1.5, int(3.5 * rate)) / rate)
+    there = reach(START, GOAL, 0.05, (times - 0.7) / 0.8)
+    back = reach(np.zeros(3), START - GOAL, 0.0, (times - 1.9) / 0.6)
+    tremble = 0.01 * np.sin(np.outer(times, [9.0, 7.0, 0.0])) * (times < 0.5)[:, None]
+    noise = rng.choice([0.0, 0.001, 0.004]) * rng.normal(size=there.shape)
+    return times, there + back + tremble + noise
+
+
+@pytest.mark.parametrize("rate", [20.0, 60.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_every_number_is_that_of_plain_numpy(seed, rate):
+    rng = np.random.default_rng([seed, int(rate)])
+    config = ReachConfig(
+        time_constant=rng.uniform(0.04, 0.1), onset_distance=rng.uniform(0.004, 0.02),
+        onset_noise_factor=rng.uniform(2.0, 6.0), initial_noise=rng.uniform(0.001, 0.005),
+        onset_sway_factor=rng.uniform(2.0, 6.0), max_onset_sway=rng.uniform(0.01, 0.05),
+        rest_time_constant=rng.uniform(0.3, 2.0), end_time_constant=rng.uniform(0.05, 0.2),
+        rest_speed=rng.uniform(0.02, 0.1), rest_speed_fraction=rng.uniform(0.05, 0.3),
+        rest_noise_factor=rng.uniform(0.5, 3.0), min_rest_duration=rng.uniform(0.02, 0.2),
+    )  # fmt: skip
+    ours, oracle, moved = ReachDetector(config), Reaches(config), set()
+    times, points = wandering(seed, rate)
+    for k, (t, p) in enumerate(zip(times, points, strict=True)):
+        if k == len(times) - 15:
+            times[k:] += 0.6  # a gap longer than the limit: it begins anew
+            t = times[k]
+        found, expected = ours.update(t, p), oracle.update(t, p)
+        moved.add(found.moving)
+        assert found.moving == expected["moving"], k
+        assert found.now == pytest.approx(expected["kinematics"], rel=1e-6, abs=1e-6)
+        assert found.onset == pytest.approx(expected["onset"], abs=1e-12)
+        assert found.start == pytest.approx(expected["start"], abs=1e-9)
+        assert noise_variance_of(found.state) == pytest.approx(expected["variance"], rel=1e-6)
+        assert found.points == pytest.approx(expected["points"], abs=1e-8)
+        now, onset, peak_t = times_of(found.state)
+        assert (now, onset) == (t, found.onset)
+        if found.may_move:
+            max_speed, path = extent_of(found.state)
+            assert max_speed == pytest.approx(expected["max_speed"], rel=1e-6)
+            assert peak_t == pytest.approx(expected["max_speed_t"])
+            assert path == pytest.approx(expected["path"], rel=1e-6, abs=1e-9)
+        if found.moving:
+            assert found.elapsed == pytest.approx(t - expected["onset"])
+            assert found.peak_speed == pytest.approx(expected["max_speed"], rel=1e-6)
+            assert found.path_length == pytest.approx(expected["path"], rel=1e-6)
+            assert found.phase == (
+                "accelerating" if expected["max_speed_t"] == t else "decelerating"
+            )
+        else:
+            assert (found.elapsed, found.peak_speed, found.path_length) == (0.0, 0.0, 0.0)
+            assert found.phase == "rest"
+    assert moved == {False, True}
+
+
+def far_from_rest(metres, seconds=2.0, rate=30.0):
+    """Return a detector that knows its hand to rest, and states of a jump by so much from there."""
+    ours = ReachDetector(ReachConfig(initial_noise=1e-6, onset_distance=0.01))
+    times = np.arange(0.0, seconds, 1.0 / rate)
+    for t in times:
+        rest = ours.update(float(t), (0.0, 0.0, 0.0))
+    assert not rest.may_move
+    return [ours.update(float(times[-1] + k / rate), (metres, 0.0, 0.0)) for k in (1, 2, 3)]
+
+
+@pytest.mark.parametrize(
+    ("metres", "moving", "may_move"),
+    [
+        (0.0045, [False, False, False], [False, False, False]),  # less than half of the distance
+        (0.007, [False, False, False], [True, True, True]),
+        (0.0135, [False, True, True], [True, True, True]),  # beyond it: two samples are needed
+        (0.035, [True, True, True], [True, True, True]),  # twice as far: one is enough
+    ],
+)
+def test_how_far_a_hand_must_go_to_move(metres, moving, may_move):
+    found = far_from_rest(metres)
+    assert [one.moving for one in found] == moving
+    assert [one.may_move for one in found] == may_move
+
+
+def test_a_long_movement_drops_every_second_point_once_it_is_full():
+    ours, kept = ReachDetector(), []
+    for k in range(MAX_POINTS + 40):
+        last = ours.update(k / 60.0, (0.02 * k, 0.0, 0.0))
+        kept.append(len(last.points))
+        if kept[-1] == MAX_POINTS:
+            full = last.points
+    assert max(kept) == MAX_POINTS
+    half = MAX_POINTS // 2
+    assert kept[kept.index(MAX_POINTS) + 1] == half + 1
+    assert (last.points[:half] == full[::2]).all()
+    assert (np.diff(last.points[:, 0]) > 0.0).all()

@@ -11,6 +11,7 @@ from igrip.lab.simulation.minimum_jerk import reach
 from igrip.motion import reach_kernel as layout
 from igrip.motion.reach_detection import ReachDetector
 from igrip.targets.learned.features import LOCAL, SHARED, features_of
+from oracle.features import Movement
 
 OBJECTS = Cylinders.of(
     centre=np.array([[0.0, 0.40, 0.05], [0.2, 0.30, 0.10], [-0.3, 0.10, 0.0]]),
@@ -110,3 +111,63 @@ def test_every_number_is_bounded_whatever_comes():
     assert np.isfinite(local).all()
     assert (np.abs(local) <= 8.0).all()
     assert (np.abs(shared) <= 8.0).all()
+
+
+def oracle_of(one, points=None):
+    """Return the oracle's view of a movement."""
+    return Movement(
+        one.now, layout.times_of(one.state), one.start, one.points if points is None else points,
+        *layout.extent_of(one.state), np.sqrt(layout.noise_variance_of(one.state)),
+    )  # fmt: skip
+
+
+def random_cylinders(rng, count):
+    axes = rng.normal(size=(count, 3))
+    return Cylinders.of(
+        rng.uniform(-0.5, 0.5, (count, 3)), axes / np.linalg.norm(axes, axis=1, keepdims=True),
+        rng.uniform(0.02, 0.15, count), rng.uniform(0.01, 0.08, count),
+        rng.normal(0.0, 0.1, (count, 3)) * (rng.random(count) < 0.5)[:, None],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("upto", [0.25, 0.4, 0.6, 0.9])
+@pytest.mark.parametrize("seed", range(3))
+def test_every_feature_is_that_of_plain_numpy(upto, seed):
+    one, cylinders = moving(upto), random_cylinders(np.random.default_rng(seed), 5)
+    local, shared = features_of(one, cylinders)
+    oracle = oracle_of(one)
+    parts = (
+        cylinders.centre, cylinders.axis, cylinders.half_length, cylinders.radius,
+        cylinders.velocity,
+    )  # fmt: skip
+    expected = oracle.all_local(parts)
+    for row, named in zip(local, expected, strict=True):
+        found = dict(zip(LOCAL, row, strict=True))
+        assert found == pytest.approx(named, rel=1e-6, abs=1e-7)
+    assert dict(zip(SHARED, shared, strict=True)) == pytest.approx(oracle.shared(), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_absurd_movements_are_bounded_like_those_of_plain_numpy(seed):
+    """Any numbers, as no hand moves: many features reach their bounds."""
+    rng = np.random.default_rng(seed)
+    one = moving()
+    state, count = one.state.copy(), 12
+    state[layout.TIME], state[layout.ONSET] = 5.0, 5.0 - rng.choice([1e-5, 0.3, 4.0])
+    state[layout.MAX_SPEED], state[layout.MAX_SPEED_TIME] = rng.uniform(0, 3), 4.9
+    state[layout.PATH] = rng.uniform(0.0, 2.0)
+    state[layout.START : layout.START + 3] = rng.normal(0.0, 0.01, 3)
+    points = np.column_stack([np.linspace(4.0, 5.0, count), rng.normal(0.0, 0.03, (count, 3))])
+    now = rng.normal(0.0, [[0.02], [2.0], [30.0]], (3, 3))
+    one = one._replace(state=state, points=points, now=now)
+    cylinders = random_cylinders(rng, 4)
+    parts = (
+        cylinders.centre, cylinders.axis, cylinders.half_length, cylinders.radius,
+        cylinders.velocity,
+    )  # fmt: skip
+    local, shared = features_of(one, cylinders)
+    oracle = oracle_of(one)
+    assert dict(zip(SHARED, shared, strict=True)) == pytest.approx(oracle.shared(), rel=1e-9)
+    for row, named in zip(local, oracle.all_local(parts), strict=True):
+        assert dict(zip(LOCAL, row, strict=True)) == pytest.approx(named, rel=1e-6, abs=1e-7)
+    assert (np.abs(np.concatenate([local.ravel(), shared])) == 8.0).any()
