@@ -58,6 +58,38 @@ def test_real_objects_have_them(ycb, name):
     assert_rays_through_them_meet(np.random.default_rng(2), balls, corners, 3)
 
 
+def spheres_of_a_box(extents, shift):
+    """Return the spheres of a box by its formula: how deep a point of the grid is."""
+    steps = (np.arange(12) + 0.5) / 12 - 0.5
+    grid = np.array([(x, y, z) for x in steps for y in steps for z in steps]) * extents
+    depth, found = (0.5 * np.array(extents) - np.abs(grid)).min(axis=1), []
+    while len(found) < 8:
+        deepest = int(np.argmax(np.round(depth, 12)))
+        radius = depth[deepest] * (1.0 - 1e-6)
+        if found and radius <= 0.15 * found[0][3]:
+            break
+        found.append((*(grid[deepest] + shift), radius))
+        depth[np.linalg.norm(grid - grid[deepest], axis=1) < radius] = 0.0
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("extents", "shift"),
+    [((0.06, 0.1, 0.3), (0.2, -0.1, 0.5)), ((0.1, 0.1, 0.1), (0.0, 0.0, 0.0))],
+)
+def test_those_of_a_box_are_the_deepest_points_of_the_grid(extents, shift):
+    box = trimesh.creation.box(extents)
+    box.apply_translation(shift)
+    ours, expected = balls_of(box), spheres_of_a_box(extents, shift)
+    assert ours[:, 3] == pytest.approx(expected[:, 3], rel=1e-9)
+    # of points that are equally deep the first of the grid counts, as the last digits have it
+    assert len(np.unique(ours.round(9), axis=0)) == len(expected)
+    for ball in ours:
+        assert (np.abs(ball[:3] - shift) + ball[3] <= 0.5 * np.array(extents)).all()
+        others = ours[ours[:, 3] > ball[3]]
+        assert (np.linalg.norm(others[:, :3] - ball[:3], axis=1) >= others[:, 3]).all()
+
+
 def test_the_middle_of_a_pipe_is_outside():
     pipe = trimesh.creation.annulus(0.03, 0.05, 0.1)
     for ball in balls_of(pipe):
