@@ -11,7 +11,8 @@ import pytest
 from browser import needs_chromium, open_page
 from igrip.rgbd import Intrinsics, RgbdFrame
 from igrip.viewer import camera_panel
-from igrip.viewer.camera_panel import CameraPanel, CameraView
+from igrip.viewer.camera_panel import CameraPanel
+from igrip.viewer.overlay import CameraView
 from igrip.viewer.server import Viewer
 
 pytest.importorskip("viser", reason="the extra 'viewer' is not installed")

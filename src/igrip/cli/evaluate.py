@@ -13,7 +13,6 @@ from igrip.config import Config
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.datasets.participants import participants_without_trials
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.runner import spread
 from igrip.targets import TARGETS
@@ -68,7 +67,7 @@ def evaluate(
             update(completed=done)
     frame = frame_of(evaluation.rows)
     summary = summarise(frame, opened.name, names)
-    summary["without_trials"] = participants_without_trials(opened)
+    summary["without_trials"] = opened.participants_without_trials()
     with errors.status("writing the report …"):
         write_report(out, opened, evaluation.catalog, configs, frame, summary, trial)
     if trial in {row["recording"] for row in summary["excluded"]}:

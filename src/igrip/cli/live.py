@@ -30,7 +30,8 @@ from igrip.runtime.loop import Loop
 from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
-from igrip.viewer.camera_panel import CameraPanel, CameraView
+from igrip.viewer.camera_panel import CameraPanel
+from igrip.viewer.overlay import CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 

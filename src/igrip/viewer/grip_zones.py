@@ -12,6 +12,7 @@ from igrip.grips.cylinder import is_pinch
 from igrip.objects.model import ObjectModel
 
 Array = NDArray[np.float64]
+PALMAR, PINCH = (90, 130, 216), (211, 90, 192)  # the colours of the grips: red, green, blue
 
 
 class Zones(NamedTuple):

@@ -90,6 +90,18 @@ class Dataset:
                 return path
         raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")
 
+    def participants_without_trials(self) -> list[str]:
+        """Return the participants that have a row in their table, but no trial."""
+        try:
+            with (self.path / "participants.tsv").open(encoding="utf-8-sig", newline="") as file:
+                named = [row.get("participant") for row in csv.DictReader(file, delimiter="\t")]
+        except (OSError, UnicodeDecodeError, csv.Error):
+            return []  # the table is optional
+        present = {trial.participant for trial in self.trials}
+        if present <= {None}:
+            return []  # the trials have no column of participants
+        return sorted({name for name in named if name and name not in present})
+
 
 class DatasetWriter:
     """Write a dataset: each recording when it is added, the tables at the end.
