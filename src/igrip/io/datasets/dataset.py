@@ -165,12 +165,7 @@ class DatasetWriter:
         text = json.dumps(self._description, indent=2, ensure_ascii=False)
         (self.path / "dataset.json").write_text(text + "\n", encoding="utf-8")
         more = sorted({name for trial in self._trials for name in trial.extra})
-        rows = []
-        for trial in self._trials:
-            row = asdict(trial)
-            row.update(row.pop("extra"))
-            row.pop("problem")
-            rows.append(row)
+        rows = [asdict(trial) | dict(trial.extra) for trial in self._trials]
         _write_table(self.path / "trials.tsv", [*COLUMNS, *more], rows)
         known = dict(participants or {})
         names = list(dict.fromkeys(t.participant for t in self._trials if t.participant))
@@ -198,10 +193,11 @@ def _check_name(name: str) -> None:
 
 def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns, delimiter="\t", lineterminator="\n", restval="")
+        writer = csv.DictWriter(
+            file, columns, extrasaction="ignore", delimiter="\t", lineterminator="\n"
+        )
         writer.writeheader()
-        for row in rows:
-            writer.writerow({key: "" if row.get(key) is None else row[key] for key in columns})
+        writer.writerows(rows)
 
 
 def _read_description(path: Path) -> Mapping[str, Any]:
