@@ -97,8 +97,8 @@ def draw_courses(run: TrialRun, bounds: Bounds) -> Any | None:
         lines, names = panels[5].get_legend_handles_labels()
         panels[1].legend(lines, names, loc="upper left", fontsize=7, ncols=4)
     figure.suptitle(
-        f"{task.recording}: {task.hand} hand to {task.target}, {task.grip} grip "
-        f"(green: the target; arrows: k_target; dashed: probability of none)", fontsize=9,
+        f"{task.recording}: {task.hand} hand to {task.target}, {task.grip} grip\n"
+        "green: the target; arrows: k_target; dashed: probability of none", fontsize=9,
     )  # fmt: skip
     return figure
 
