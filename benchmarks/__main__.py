@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from igrip.cli import bench
+from igrip.cli import bench, options
 from igrip.cli.console import errors, output, print_json
 from igrip.lab.speed import measure
 from igrip.objects.catalog import load_objects
@@ -26,7 +26,7 @@ def main(
     cadence: bench.Cadence = 10.0,
     memory_frames: bench.MemoryFrames = 0,
     plot: Annotated[Path | None, typer.Option(help="Write the picture here (.png, .svg).")] = None,
-    as_json: bench.AsJson = False,
+    as_json: options.Json = False,
 ) -> None:
     """Measure the estimator beside every other engine, its growth, a replay, and the bars.
 

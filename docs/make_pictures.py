@@ -17,7 +17,7 @@ from igrip.perception.pipeline.stages import hand_stages, object_stages
 from igrip.perception.pipeline.synchronous import observe
 from igrip.rgbd import RgbdFrame
 from igrip.viewer.grip_page import GripPage
-from igrip.viewer.overlay import draw_overlay
+from igrip.viewer.overlay import CameraView, draw_overlay
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot, rays_of, take_snapshot
 
@@ -90,7 +90,7 @@ def live_picture(name: str, seed: int = 1) -> None:
             if intention.status == "reaching" and confidence > best and latest.landmarks:
                 intentions = list(estimator.latest.values())
                 best, picture = confidence, draw_overlay(
-                    latest.frame, latest.landmarks, estimator.objects, intentions
+                    CameraView(latest.frame, latest.landmarks, estimator.objects, intentions)
                 )  # fmt: skip
     find_hands.close()
     assert picture is not None, "no hand reaches in these frames"

@@ -11,7 +11,8 @@ import pytest
 from browser import needs_chromium, open_page
 from igrip.rgbd import Intrinsics, RgbdFrame
 from igrip.viewer import camera_panel
-from igrip.viewer.camera_panel import CameraPanel, CameraView
+from igrip.viewer.camera_panel import CameraPanel
+from igrip.viewer.overlay import CameraView
 from igrip.viewer.server import Viewer
 
 pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
@@ -37,11 +38,11 @@ def test_show_never_waits(panel, monkeypatch):
     """While a picture is drawn, newer ones replace each other; the newest is drawn next."""
     drawing, go_on, drawn = threading.Event(), threading.Event(), []
 
-    def draw(frame, *rest):
-        drawn.append(int(frame.colour[0, 0, 0]))
+    def draw(view):
+        drawn.append(int(view.frame.colour[0, 0, 0]))
         drawing.set()
         assert go_on.wait(60)
-        return frame.colour
+        return view.frame.colour
 
     monkeypatch.setattr(camera_panel, "draw_overlay", draw)
     panel.show(views(0))

@@ -7,7 +7,7 @@ import pytest
 
 from igrip.intention import Intention
 from igrip.rgbd import Intrinsics, RgbdFrame
-from igrip.viewer.overlay import OUTLINE, TARGET, draw_overlay, outline_of
+from igrip.viewer.overlay import OUTLINE, TARGET, CameraView, draw_overlay, outline_of
 from support import BOX, placed
 
 SIZE = (640, 480)
@@ -55,18 +55,22 @@ def test_the_target_of_a_reach_is_drawn_in_its_own_colour(shapes):
     thing = box(shapes, (0.0, 0.0, 1.0))
     said = Intention(t=0.0, hand="right", status="reaching", target="thing", grip="palmar")
     landmarks = {"right": np.random.default_rng(0).uniform(100, 300, (21, 2))}
-    plain = draw_overlay(frame(), {}, [thing], [])
+    plain = draw_overlay(CameraView(frame(), {}, [thing], []))
     assert plain.shape == (480, 640, 3)
     assert has(plain, OUTLINE)
     assert not has(plain, TARGET)
-    chosen = draw_overlay(frame(), landmarks, [thing], [said])
+    chosen = draw_overlay(CameraView(frame(), landmarks, [thing], [said]))
     assert has(chosen, TARGET)
     idle = Intention(t=0.0, hand="right", status="idle", target="thing", grip="palmar")
-    assert not has(draw_overlay(frame(), {}, [thing], [idle]), TARGET)
+    assert not has(draw_overlay(CameraView(frame(), {}, [thing], [idle])), TARGET)
 
 
 def test_words_stay_within_the_picture_whatever_they_are(shapes):
     thing = box(shapes, (0.55, -0.4, 1.0), id="ein sehr langer Name ✋" * 4)
     points = {"camera/left": np.full((21, 2), 1000.0)}
     said = Intention(t=0.0, hand="camera/left", status="lost", reason="x" * 300)
-    assert draw_overlay(frame(), points, [thing], [said], width=320).shape == (240, 320, 3)
+    assert draw_overlay(CameraView(frame(), points, [thing], [said]), width=320).shape == (
+        240,
+        320,
+        3,
+    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, NamedTuple
 
 import typer
@@ -13,18 +12,10 @@ from igrip.version import __version__
 
 
 class Command(NamedTuple):
-    """Where a command is implemented, and its line in ``igrip --help``.
+    """Where a command is implemented, and its line in ``igrip --help``."""
 
-    Attributes
-    ----------
-    target : str
-        ``module:function`` within :mod:`igrip.cli`.
-    help : str
-        The first line of the function's docstring; a test keeps the two equal.
-    """
-
-    target: str
-    help: str
+    target: str  # ``module:function`` within :mod:`igrip.cli`
+    help: str  # the first line of the function's docstring; a test keeps the two equal
 
 
 COMMANDS = {
@@ -67,35 +58,25 @@ COMMANDS = {
 }
 
 
-class LazyCommands(Mapping[str, Any]):
-    """The commands by name; looking one up imports its module."""
-
-    def __getitem__(self, name: str) -> Any:
-        module, function = COMMANDS[name].target.split(":")
-        single = typer.Typer(add_completion=False, rich_markup_mode=None)
-        single.command(name)(getattr(importlib.import_module(f"igrip.cli.{module}"), function))
-        return typer.main.get_command(single)
-
-    def __contains__(self, name: object) -> bool:
-        return name in COMMANDS
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(COMMANDS)
-
-    def __len__(self) -> int:
-        return len(COMMANDS)
-
-
 class LazyGroup(TyperGroup):
     """A group that lists its commands without importing them."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.commands: Any = LazyCommands()
+        self.commands: Any = COMMANDS  # what a mistyped name is compared with
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands, in the order of the help."""
-        return list(self.commands)
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Import the module of one command and return the command; None if there is none."""
+        if cmd_name not in COMMANDS:
+            return None
+        module, function = COMMANDS[cmd_name].target.split(":")
+        single = typer.Typer(add_completion=False, rich_markup_mode=None)
+        single.command(cmd_name)(getattr(importlib.import_module(f"igrip.cli.{module}"), function))
+        return typer.main.get_command(single)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the table of commands from their short helps."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 
-from igrip.cli.console import errors, output, print_json
+from igrip.cli import options
+from igrip.cli.console import errors, number, output, print_json, table_of, warn
 from igrip.lab.speed import measure
 from igrip.lab.speed.peers import TRIMESH, Recorded
 from igrip.objects.catalog import load_objects
@@ -24,7 +25,6 @@ Cadence = Annotated[float, typer.Option(help="Seconds at a real 30 Hz.", min=1.0
 MemoryFrames = Annotated[
     int, typer.Option(help="Frames of the memory run; 0: leave it out.", min=0)
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program.")]
 
 
 def bench(
@@ -34,7 +34,7 @@ def bench(
     turn: Turn = 20,
     cadence: Cadence = 10.0,
     memory_frames: MemoryFrames = 0,
-    as_json: AsJson = False,
+    as_json: options.Json = False,
 ) -> None:
     """Measure the speed of the estimator on this machine.
 
@@ -80,17 +80,25 @@ def print_report(report: dict[str, Any]) -> None:
     if peers["plain_trimesh"]:
         rows[TRIMESH] = peers["plain_trimesh"]
     rows["igrip, update at a real 30 Hz"] = report["cadence_30_hz"]
-    table = Table("2 hands, 4 objects of 16 k faces", "p50 ms", "p99 ms")
-    for name, times in rows.items():
-        table.add_row(name, f"{times['p50_ms']:.3f}", f"{times['p99_ms']:.3f}")
-    output.print(table)
+    output.print(
+        table_of(
+            ("2 hands, 4 objects of 16 k faces", "p50 ms", "p99 ms"),
+            ((name, *_times(times)) for name, times in rows.items()),
+        )
+    )
     for name, ratio in peers["ratios"].items():
         of_runs = ", ".join(f"{r:.2f}" for r in peers["ratios_of_runs"].get(name, []))
         output.print(f"{name}: {ratio:.2f}" + (f" (runs: {of_runs})" if of_runs else ""))
     for problem in peers["missing"]:
-        errors.print(f"left out: {problem} (pip install 'igrip[bench]')", style="yellow")
+        warn(f"left out: {problem} (pip install 'igrip[bench]')")
     for quantity, cases in report["growth"].items():
-        output.print(_growth_table(quantity, cases))
+        columns = (quantity, "p50 ms", "p99 ms", "rays", "nodes, rays", "nodes, points")
+        counts = ("rays", "ray_nodes", "point_nodes")
+        cells = [
+            (str(row["case"]), *_times(row), *(number(row[count], ".0f") for count in counts))
+            for row in cases
+        ]
+        output.print(table_of(columns, cells))
     by_number = {row["case"]: row["p50_ms"] for row in report["growth"]["objects"]}
     output.print(f"100 objects / 4 objects: {by_number[100] / by_number[4]:.2f}")
     if "memory" in report:
@@ -101,13 +109,5 @@ def print_report(report: dict[str, Any]) -> None:
         )
 
 
-def _growth_table(quantity: str, cases: list[dict[str, Any]]) -> Table:
-    table = Table(quantity, "p50 ms", "p99 ms", "rays", "nodes, rays", "nodes, points")
-    for row in cases:
-        table.add_row(
-            str(row["case"]),
-            f"{row['p50_ms']:.3f}",
-            f"{row['p99_ms']:.3f}",
-            *(f"{row[name]:.0f}" for name in ("rays", "ray_nodes", "point_nodes")),
-        )
-    return table
+def _times(row: Mapping[str, float]) -> tuple[str, str]:
+    return number(row["p50_ms"], ".3f"), number(row["p99_ms"], ".3f")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from igrip.cli.console import errors, output
+from igrip.cli.console import errors, output, warn
 from igrip.errors import CameraError, IgripError
 from igrip.perception.calibration.board import Board
 from igrip.perception.calibration.extrinsics import locate_camera, watch_board
@@ -67,14 +68,10 @@ def calibrate(
         return
     if out is None:
         raise IgripError("name the file to write (--out)")
-    device = open_camera(camera)
-    try:
+    with closing(open_camera(camera)) as device, errors.status("watching the board …"):
         if note := getattr(device, "note", None):
-            errors.print(note, style="yellow", soft_wrap=True)
-        with errors.status("watching the board …"):
-            views = watch_board(device, printed, seconds or 5.0, len(split_names(camera)))
-    finally:
-        device.close()
+            warn(note)
+        views = watch_board(device, printed, seconds or 5.0, len(split_names(camera)))
     if len(views) < len(split_names(camera)):
         raise CameraError(f"only {', '.join(views) or 'none'} of the cameras sent pictures")
     placements = {name: locate_camera(name, view, printed) for name, view in views.items()}
@@ -95,12 +92,9 @@ def _draw(path: Path, board: Board) -> None:
 
 
 def _calibrate_lens(camera: str, path: Path, board: Board, seconds: float) -> None:
-    device = open_camera(camera)
-    try:
-        with errors.status("move the board about the whole picture, near and far, tilted …"):
-            result = calibrate_lens(device, board, seconds)
-    finally:
-        device.close()
+    advice = "move the board about the whole picture, near and far, tilted …"
+    with closing(open_camera(camera)) as device, errors.status(advice):
+        result = calibrate_lens(device, board, seconds)
     write_lens(path, result.lens, result.error)
     pinhole = result.lens.intrinsics
     output.print(
@@ -120,9 +114,7 @@ def _print_placement(name: str, placement: Placement) -> None:
     )
     ratio = placement.depth_ratio
     if ratio is not None and abs(ratio - 1.0) > DEPTH_TOLERANCE:
-        errors.print(
+        warn(
             f"{name}: by its depth the board is {ratio:.2f} times as far as by its tags: was it "
-            "printed at another size (--tag-size)?",
-            style="yellow",
-            soft_wrap=True,
+            "printed at another size (--tag-size)?"
         )

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import nullcontext
-from itertools import chain, islice
+from collections.abc import Iterator
+from contextlib import closing, nullcontext
 from typing import Annotated
 
 import typer
@@ -14,10 +13,12 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from igrip.cli.console import errors, output, print_json
+from igrip.cli import estimator_setup as setup
+from igrip.cli import options
+from igrip.cli.console import errors, number, output, print_json, until_interrupted
+from igrip.cli.page import open_page
 from igrip.config import Config
 from igrip.describe import describe
-from igrip.errors import MissingExtraError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.lab.simulation.demo import DemoPerson, DemoTask, Moment
@@ -36,22 +37,18 @@ def demo(
         typer.Option(help="Seconds of the scene. Default: one round of 16 reaches; with a page and "
                      "a terminal, until Ctrl-C.", min=0.0),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the table and of the noise.", min=0)] = 0,
-    targets: Annotated[
-        str | None, typer.Option(help="Targets estimator. Default: the library's.")
-    ] = None,
+    seed: options.Seed = 0,
+    targets: options.Targets = None,
     speed: Annotated[
         float, typer.Option(help="Multiple of real time; 0: as fast as possible.", min=0.0)
     ] = 1.0,
-    port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
+    port: options.PagePort = 8080,
     fault: Annotated[
         list[str] | None,
         typer.Option(help="A sensor fault: KIND@BEGIN+SECONDS or KIND:RATE[xSECONDS], such as "
                      f"freeze@3+0.5 or jump:0.2x0.1; repeatable. Kinds: {', '.join(KINDS)}."),
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the results as JSON at the end.")
-    ] = False,
+    as_json: options.Json = False,
 ) -> None:  # fmt: skip
     """Watch igrip predict what a simulated person reaches for, and with which grip.
 
@@ -62,36 +59,27 @@ def demo(
     Example: igrip demo --fault lose@2+0.4 --fault jump:0.3
     """
     faults = [Fault.parse(text) for text in fault or []]
-    config = Config(targets=targets) if targets else Config()
+    config = setup.estimator_config(targets)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects("ycb")
-        person = DemoPerson(catalog, seed)
-        _warm_up(person, Estimator(catalog, config))
+        setup.warm_up(config, catalog)
     choices = [config.targets]  # the page appends another estimator's name
-    viewer = None if headless else _open_viewer(config.targets, choices.append, port)
+    viewer = (
+        None if headless else open_page(port, targets=config.targets, choose_targets=choices.append)
+    )
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
+    person = DemoPerson(catalog, seed)
     moments = iter(person) if endless else _limited(person, duration)
     if faults:
         moments = _with_faults(moments, faults, seed)
     score = DemoScore()
     events = StatusChanges() if faults and not as_json else None
-    try:
+    with closing(viewer) if viewer is not None else nullcontext(), until_interrupted():
         _run(_paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json, events)
-    except KeyboardInterrupt:
-        errors.print("stopped")
-    finally:
-        if viewer is not None:
-            viewer.close()
     if as_json:
         print_json(score.summary())
     else:
         output.print(score.sentence(), soft_wrap=True)
-
-
-def _warm_up(person: DemoPerson, estimator: Estimator) -> None:
-    """Compile before the clock runs."""
-    for moment in islice(person, 7):
-        estimator.update(moment.observation)
 
 
 def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
@@ -102,16 +90,6 @@ def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
             name = choices[-1]
             estimator = Estimator(catalog, Config(targets=name))
         yield estimator
-
-
-def _open_viewer(targets: str, choose: Callable[[str], None], port: int) -> Viewer | None:
-    try:
-        viewer = Viewer(port=port, targets=targets, choose_targets=choose)
-    except MissingExtraError as error:
-        errors.print(f"{error}; continuing without the page", style="yellow")
-        return None
-    errors.print(f"The scene is live at {viewer.url}")
-    return viewer
 
 
 def _limited(person: DemoPerson, duration: float | None) -> Iterator[Moment]:
@@ -127,19 +105,15 @@ def _limited(person: DemoPerson, duration: float | None) -> Iterator[Moment]:
 
 def _with_faults(moments: Iterator[Moment], faults: list[Fault], seed: int) -> Iterator[Moment]:
     """Yield the moments with sensor faults in their observations."""
-    first = next(moments, None)
-    if first is None:
-        return
-    task = first.task
+    tasks: list[DemoTask] = []
 
     def observations() -> Iterator[Observation]:
-        nonlocal task
-        for moment in chain([first], moments):
-            task = moment.task
+        for moment in moments:
+            tasks[:] = [moment.task]
             yield moment.observation
 
     for observation in inject(observations(), faults, seed):
-        yield Moment(observation, task)
+        yield Moment(observation, tasks[0])
 
 
 def _paced(moments: Iterator[Moment], speed: float) -> Iterator[Moment]:
@@ -197,8 +171,8 @@ def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> Tab
             intention.status,
             Text(intention.target or "-", colour),
             intention.grip or "-",
-            "-" if intention.confidence is None else f"{intention.confidence:.2f}",
-            "-" if intention.time_to_contact is None else f"{intention.time_to_contact:.2f} s",
+            number(intention.confidence),
+            number(intention.time_to_contact, unit=" s"),
             intention.commitment.target if intention.commitment else "-",
         )
     sentences = [describe(i) for i in intentions if i.hand == moment.task.hand]

@@ -1,11 +1,8 @@
-"""What ``igrip live`` and ``igrip stream`` share: options, configuration and warm-up."""
+"""What commands do before they run an estimator live: its configuration and the warm-up."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
-
-import typer
 
 from igrip.commitment import ALL_HANDS, CommitmentConfig
 from igrip.config import Config
@@ -16,31 +13,12 @@ from igrip.observation import Observation
 
 RELIABILITY = CommitmentConfig().reliability
 
-Targets = Annotated[str | None, typer.Option(help="Targets estimator. Default: the library's.")]
-Assisted = Annotated[
-    list[str] | None,
-    typer.Option(help="A hand that a device assists; repeatable. No other gets a commitment. "
-                 "Default: every hand."),
-]  # fmt: skip
-Reliability = Annotated[
-    float,
-    typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all.",
-                 min=0.0, max=1.0),
-]  # fmt: skip
-Confirm = Annotated[
-    bool, typer.Option("--confirm", help="Commit only to reaches that are confirmed from outside.")
-]
-Host = Annotated[str, typer.Option(help="Address of the WebSocket server.")]
-Port = Annotated[int, typer.Option(help="Its port; 0: any that is free.", min=0, max=65535)]
-Token = Annotated[
-    str | None,
-    typer.Option(envvar="IGRIP_TOKEN", help="Required of clients; needed where others can reach "
-                 "the address."),
-]  # fmt: skip
-
 
 def estimator_config(
-    targets: str | None, assisted: Sequence[str] | None, reliability: float, confirm: bool
+    targets: str | None,
+    assisted: Sequence[str] | None = None,
+    reliability: float = RELIABILITY,
+    confirm: bool = False,
 ) -> Config:
     """Return the configuration of an estimator that these options ask for."""
     commitment = CommitmentConfig(

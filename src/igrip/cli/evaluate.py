@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
-from rich.text import Text
 
-from igrip.cli.console import errors, output, print_json, progress
+from igrip.cli import options
+from igrip.cli.console import errors, output, print_json, progress, table_of, warn
 from igrip.config import Config
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
-from igrip.io.datasets.participants import participants_without_trials
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.runner import spread
 from igrip.targets import TARGETS
@@ -34,21 +32,16 @@ def evaluate(
     grips: Annotated[
         str, typer.Option(help="Grip selector: contact, or cylinder (the paper's).")
     ] = Config().grips,
-    objects: Annotated[
-        list[str] | None,
-        typer.Option(help="Where models come from, in place of the dataset's own."),
-    ] = None,
-    limit: Annotated[
-        int, typer.Option(help="Only so many recordings, evenly spread; 0: all.", min=0)
-    ] = 0,
+    objects: options.Objects = None,
+    limit: options.Limit = 0,
     trial: Annotated[
         str | None, typer.Option(help="Recording of the time courses. Default: a typical one.")
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)] = 0,
+    jobs: options.Jobs = 0,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit code 1 if a recording was excluded.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
+    as_json: options.Json = False,
 ) -> None:
     """Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.
 
@@ -69,17 +62,16 @@ def evaluate(
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
     evaluation = Evaluation(opened, configs, out, objects or ())
-    with progress() as bar:
-        task = bar.add_task(f"evaluating {opened.name}", total=len(chosen))
+    with progress(f"evaluating {opened.name}", len(chosen)) as update:
         for done in evaluation.run(chosen, jobs):
-            bar.update(task, completed=done)
+            update(completed=done)
     frame = frame_of(evaluation.rows)
     summary = summarise(frame, opened.name, names)
-    summary["without_trials"] = participants_without_trials(opened)
+    summary["without_trials"] = opened.participants_without_trials()
     with errors.status("writing the report …"):
         write_report(out, opened, evaluation.catalog, configs, frame, summary, trial)
     if trial in {row["recording"] for row in summary["excluded"]}:
-        errors.print(f"{trial} was excluded, so its time courses are not drawn", style="yellow")
+        warn(f"{trial} was excluded, so its time courses are not drawn")
     _print(summary, out, as_json)
     if strict and summary["excluded"]:
         raise typer.Exit(1)
@@ -96,24 +88,25 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
     notes += [f"{row['recording']}: {row['remark']}" for row in summary["remarks"]]
     notes += [f"participant {name} has no trials" for name in summary["without_trials"]]
     for note in notes:
-        errors.print(note, style="yellow", soft_wrap=True)
+        warn(note)
     if as_json:
         print_json(clean(summary))
         return
-    table = Table(
+    columns = (
         "targets", "valid: frames", "trials", "delay s", "margin s", "grip", "all: trials",
         "right at 40%", "at 60%",
     )  # fmt: skip
+    rows = []
     for name, scores in summary["targets"].items():
         valid, every = scores["valid"], scores["all"]
         accuracy = every.get("accuracy", {})
-        table.add_row(
-            Text(name, no_wrap=True), percent(valid["frames"]), percent(valid["success"]),
+        rows.append((
+            name, percent(valid["frames"]), percent(valid["success"]),
             seconds(valid["delay_s"]), seconds(valid["margin_s"]),
             percent(valid.get("grip_success")), percent(every["success"]),
             percent(accuracy.get("40%")), percent(accuracy.get("60%")),
-        )  # fmt: skip
-    output.print(table)
+        ))  # fmt: skip
+    output.print(table_of(columns, rows))
     output.print(
         f"{summary['valid']} of {summary['reaches']} reaches valid, "
         f"{len(summary['excluded'])} recordings excluded; {out / 'report.html'}",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import threading
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from igrip.cli.console import errors, output, print_json
+from igrip.cli import options
+from igrip.cli.console import errors, output, print_json, until_interrupted
 from igrip.config import Config
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.viewer.grip_figure import draw_grip_zones
@@ -19,9 +21,7 @@ def grips(
     models: Annotated[
         list[str] | None, typer.Argument(help="Names of models. Default: the paper's four, or all.")
     ] = None,
-    objects: Annotated[
-        list[str], typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:….")
-    ] = ["ycb"],  # noqa: B006 - typer copies it
+    objects: options.Objects = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Write the picture here (.png, .svg).")
     ] = None,
@@ -29,14 +29,14 @@ def grips(
         bool,
         typer.Option("--page", help="Show the zones on the meshes in the browser, until Ctrl-C."),
     ] = False,
-    port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+    port: options.PagePort = 8080,
+    as_json: options.Json = False,
 ) -> None:
     """Show from which height on each object is pinched.
 
     Example: igrip grips --out figure2.png
     """
-    catalog = load_objects(*objects)
+    catalog = load_objects(*(objects or ["ycb"]))
     default = PAPER_OBJECTS if set(PAPER_OBJECTS) <= set(catalog) else tuple(catalog)
     chosen = [catalog[name] for name in models or default]
     pinch_from = Config().grip.pinch_threshold
@@ -49,14 +49,6 @@ def grips(
         for name, border in borders.items():
             output.print(f"{name}: pinch beyond {1e3 * border:.1f} mm from the middle")
     if page:
-        _serve(GripPage(chosen, pinch_from, port=port))
-
-
-def _serve(page: GripPage) -> None:
-    try:
-        errors.print(f"The grip zones are at {page.url}; Ctrl-C to stop")
-        threading.Event().wait()
-    except KeyboardInterrupt:
-        errors.print("stopped")
-    finally:
-        page.close()
+        with closing(GripPage(chosen, pinch_from, port=port)) as shown, until_interrupted():
+            errors.print(f"The grip zones are at {shown.url}; Ctrl-C to stop")
+            threading.Event().wait()

@@ -8,12 +8,14 @@ from typing import Annotated
 
 import typer
 
-from igrip.cli.console import errors, output, print_json, progress
+from igrip.cli import options
+from igrip.cli.console import errors, output, print_json, progress, warn
 from igrip.errors import DatasetError
 from igrip.io.column_map import ColumnMapImporter, read_column_map
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import Importer, ImportFiles, ReachReader, find_importer
 from igrip.io.resampling import ImportOptions
+from igrip.lab.evaluation.runner import spread
 from igrip.objects.catalog import load_objects
 
 
@@ -29,10 +31,7 @@ def import_tables(
     mesh: Annotated[
         str, typer.Option(help="Model put at each object's place.")
     ] = "006_mustard_bottle",
-    objects: Annotated[
-        list[str],
-        typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:…. Repeatable."),
-    ] = ["ycb"],  # noqa: B006 - typer copies it
+    objects: options.Objects = None,
     rate: Annotated[
         float, typer.Option(help="Samples per second of the dataset.", min=1.0, max=1000.0)
     ] = 30.0,
@@ -42,15 +41,12 @@ def import_tables(
     noise: Annotated[
         float, typer.Option(help="Sd of sensor noise added per axis [m].", min=0.0, max=1.0)
     ] = 0.0,
-    seed: Annotated[int, typer.Option(help="Seed of that noise.", min=0)] = 0,
-    limit: Annotated[
-        int,
-        typer.Option(help="Import this many reaches, evenly spread over the table; 0: all.", min=0),
-    ] = 0,
+    seed: options.Seed = 0,
+    limit: options.Limit = 0,
     participants: Annotated[
         Path | None, typer.Option(help="Only these participants: a file with one id per line.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+    as_json: options.Json = False,
 ) -> None:
     """Turn motion-capture tables into a dataset.
 
@@ -60,9 +56,9 @@ def import_tables(
 
     Example: igrip import wispinski2021/ --out near-far --rest 1 --noise 0.004
     """
-    named = list(dict.fromkeys([*objects, *([mesh] if ":" in mesh else [])]))
+    named = list(dict.fromkeys([*(objects or ["ycb"]), *([mesh] if ":" in mesh else [])]))
     catalog = load_objects(*named)
-    options = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
+    changes = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
     catalog[mesh]
     files = ImportFiles(tables)
     importer: Importer = (
@@ -71,14 +67,12 @@ def import_tables(
     reaches = importer.reaches(files)
     if participants is not None:
         reaches = _only(reaches, participants)
-    if 0 < limit < len(reaches):
-        reaches = [reaches[k * len(reaches) // limit] for k in range(limit)]
+    reaches = spread(reaches, limit)
     problems: list[str] | None = None if columns is None else []
-    with progress() as bar:
-        task = bar.add_task(f"importing {importer.name}", total=len(reaches))
+    with progress(f"importing {importer.name}", len(reaches)) as update:
         dataset = import_dataset(
-            importer, reaches, out, catalog, options, _absolute(named), problems,
-            on_progress=lambda: bar.advance(task),
+            importer, reaches, out, catalog, changes, _absolute(named), problems,
+            on_progress=lambda: update(advance=1),
         )  # fmt: skip
     if not dataset.trials:
         raise DatasetError(f"nothing could be imported; first: {problems[0] if problems else '-'}")
@@ -91,13 +85,11 @@ def import_tables(
         "left_out": problems or [],
     }
     for problem in problems or []:
-        errors.print(f"left out: {problem}", style="yellow", soft_wrap=True)
+        warn(f"left out: {problem}")
     if as_json:
         print_json(summary)
         return
-    output.print(
-        f"{summary['trials']} trials of {summary['participants']} participants in {out}",
-    )
+    output.print(f"{summary['trials']} trials of {summary['participants']} participants in {out}")
     errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
 
 

@@ -12,9 +12,11 @@ import typer
 from rich.live import Live
 
 from igrip.cli import estimator_setup as setup
-from igrip.cli.console import errors, output, print_json
-from igrip.cli.live_table import markdown_of, table_of
-from igrip.errors import IgripError, MissingExtraError
+from igrip.cli import options
+from igrip.cli.console import errors, output, print_json, until_interrupted, warn
+from igrip.cli.live_table import live_table, markdown_of
+from igrip.cli.page import open_page
+from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.recordings import open_writer
@@ -28,7 +30,8 @@ from igrip.runtime.loop import Loop
 from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
-from igrip.viewer.camera_panel import CameraPanel, CameraView
+from igrip.viewer.camera_panel import CameraPanel
+from igrip.viewer.overlay import CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -51,16 +54,12 @@ def live(
         typer.Option(help="A model that may be on the table; repeatable. Default: the paper's "
                      "four."),
     ] = None,
-    catalog: Annotated[
-        list[str] | None, typer.Option(help="Where models come from. Default: ycb.")
-    ] = None,
+    catalog: options.Objects = None,
     option: Annotated[
         list[str] | None,
         typer.Option(help="NAME=VALUE for the pose estimator, such as tags=tags.toml; repeatable."),
     ] = None,
-    calibration: Annotated[
-        Path | None, typer.Option(help="Where the cameras stand: a file of igrip calibrate.")
-    ] = None,
+    calibration: options.Calibration = None,
     apart: Annotated[
         bool, typer.Option("--apart", help="Keep the hands of several cameras apart, by camera.")
     ] = False,
@@ -74,19 +73,19 @@ def live(
         list[str] | None,
         typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
     ] = None,
-    targets: setup.Targets = None,
-    assisted: setup.Assisted = None,
-    reliability: setup.Reliability = setup.RELIABILITY,
-    confirm: setup.Confirm = False,
+    targets: options.Targets = None,
+    assisted: options.Assisted = None,
+    reliability: options.Reliability = setup.RELIABILITY,
+    confirm: options.Confirm = False,
     seconds: Annotated[
         float | None, typer.Option(help="Default: until Ctrl-C, or the end of a recording.", min=0)
     ] = None,
     headless: Annotated[bool, typer.Option(help="No page in the browser.")] = False,
-    page_port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
-    host: setup.Host = "127.0.0.1",
-    port: setup.Port = 8765,
-    token: setup.Token = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the counts at the end.")] = False,
+    page_port: options.PagePort = 8080,
+    host: options.Host = "127.0.0.1",
+    port: options.Port = 8765,
+    token: options.Token = None,
+    as_json: options.Json = False,
 ) -> None:  # fmt: skip
     """Watch a camera and predict what each hand is about to grasp, and with which grip.
 
@@ -94,8 +93,8 @@ def live(
 
     Example, without a camera: igrip live --camera rendered
     """
-    options = Options(host, port, token, hands=tuple(assisted or HANDS))
-    outputs = {name: OUTPUTS.get(name)(options) for name in tell or []}
+    output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
+    outputs = {name: OUTPUTS.get(name)(output_options) for name in tell or []}
     config = setup.estimator_config(targets, assisted, reliability, confirm)
     with ExitStack() as stack:
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
@@ -123,15 +122,12 @@ def live(
             source_report=lambda: {"stages": pipeline.report()},
         )  # fmt: skip
         problems = ProblemPrinter(source, pipeline)
-        viewer = None if headless else _page(page_port)
+        viewer = None if headless else open_page(page_port)
         if viewer is not None:
             stack.callback(viewer.close)
-        try:
+        stack.callback(problems.print_new)
+        with until_interrupted():
             _run(loop, pipeline, viewer, seconds, problems, quiet=as_json)
-        except KeyboardInterrupt:
-            errors.print("stopped")
-        finally:
-            problems.print_new()
     report = loop.status()
     if as_json:
         print_json(report)
@@ -151,7 +147,7 @@ class ProblemPrinter:
         for problem in (getattr(self._camera, "note", None), *self._pipeline.problems()):
             if problem and problem not in self._printed:
                 self._printed.add(problem)
-                errors.print(problem, style="yellow", soft_wrap=True)
+                warn(problem)
 
 
 def _check(camera: str, calibration: Path | None) -> int:
@@ -167,16 +163,6 @@ def _check(camera: str, calibration: Path | None) -> int:
         if speed not in ("1", "1.0"):
             raise IgripError(f"{name}: igrip live runs in real time; leave out speed={speed}")
     return len(names)
-
-
-def _page(port: int) -> Viewer | None:
-    try:
-        viewer = Viewer(port=port)
-    except MissingExtraError as error:
-        errors.print(f"{error}; continuing without the page", style="yellow")
-        return None
-    errors.print(f"The scene is live at {viewer.url}")
-    return viewer
 
 
 def _run(
@@ -205,7 +191,7 @@ def _run(
             due = now + SCREEN_INTERVAL
             problems.print_new()
             stages = pipeline.report()
-            screen.update(table_of(estimator.t, stages, newest))
+            screen.update(live_table(estimator.t, stages, newest))
             if panel is not None:
                 panel.set_table(markdown_of(stages))
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.table import Table
 
+from igrip.cli.console import number, table_of
 from igrip.describe import describe
 from igrip.intention import Intention
 
@@ -18,9 +19,9 @@ def rows_of(report: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, ...]]:
     return [
         (
             name,
-            f"{stage.get('rate', 0.0):.1f}",
-            _milliseconds(stage.get("age_p50_ms")),
-            _milliseconds(stage.get("duration_p50_ms")),
+            number(stage.get("rate", 0.0), ".1f"),
+            number(stage.get("age_p50_ms"), ".0f", " ms"),
+            number(stage.get("duration_p50_ms"), ".0f", " ms"),
             str(stage.get("skipped", "-")),
             str(stage.get("failed", "-")),
         )
@@ -28,15 +29,11 @@ def rows_of(report: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, ...]]:
     ]
 
 
-def table_of(
+def live_table(
     t: float, report: Mapping[str, Mapping[str, Any]], intentions: Sequence[Intention]
 ) -> Table:
     """Return the table for the terminal."""
-    table = Table(title=f"t = {t:.1f} s")
-    for column in COLUMNS:
-        table.add_column(column, justify="left" if column == "stage" else "right")
-    for row in rows_of(report):
-        table.add_row(*row)
+    table = table_of(COLUMNS, rows_of(report), f"t = {t:.1f} s")
     table.caption = "\n".join(describe(intention) for intention in intentions) or "no hand yet"
     table.caption_justify = "left"
     return table
@@ -44,10 +41,5 @@ def table_of(
 
 def markdown_of(report: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the table for the page, in Markdown."""
-    lines = [" | ".join(COLUMNS), " | ".join("---" for _ in COLUMNS)]
-    lines += [" | ".join(row) for row in rows_of(report)]
-    return "\n".join(f"| {line} |" for line in lines)
-
-
-def _milliseconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.0f} ms"
+    lines = [COLUMNS, ["---"] * len(COLUMNS), *rows_of(report)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

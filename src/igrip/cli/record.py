@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from igrip.cli.console import errors, output
+from igrip.cli import options
+from igrip.cli.console import errors, output, warn
 from igrip.errors import RecordingError
 from igrip.io.mcap.frame_recorder import FrameRecorder
 from igrip.io.mcap.writer import McapWriter
@@ -27,9 +28,7 @@ def record(
     seconds: Annotated[
         float | None, typer.Option(help="Duration [s]. Default: until Ctrl-C.", min=0.0)
     ] = None,
-    calibration: Annotated[
-        Path | None, typer.Option(help="The cameras' poses: a file written by igrip calibrate.")
-    ] = None,
+    calibration: options.Calibration = None,
     lossless: Annotated[
         bool, typer.Option("--lossless", help="Colour as PNG; slower, and several times larger.")
     ] = False,
@@ -43,14 +42,11 @@ def record(
     """
     if out.suffix.lower() != ".mcap":
         raise RecordingError(f"{out}: frames are recorded as .mcap")
-    device = open_camera(camera, calibration)
-    try:
+    with closing(open_camera(camera, calibration)) as device:
         if note := getattr(device, "note", None):
-            errors.print(note, style="yellow", soft_wrap=True)
+            warn(note)
         with McapWriter(out, lossless=lossless) as writer:
             failure = _record(device, writer, seconds)
-    finally:
-        device.close()
     if failure is not None:
         errors.print(f"igrip: {failure}", style="red", soft_wrap=True)
         raise typer.Exit(1)
@@ -76,7 +72,7 @@ def _record(camera: Camera, writer: McapWriter, seconds: float | None) -> Camera
             pass
         except CameraError as error:
             failure = error
-            with contextlib.suppress(RecordingError):
+            with suppress(RecordingError):
                 writer.write_event(last, "camera failed", message=str(error))
         finally:
             camera.close()

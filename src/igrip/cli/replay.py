@@ -11,7 +11,8 @@ from typing import Annotated
 
 import typer
 
-from igrip.cli.console import errors, output, print_json, progress
+from igrip.cli import options
+from igrip.cli.console import output, print_json, progress, warn
 from igrip.cli.summaries import print_dataset, print_recording, recording_summary
 from igrip.config import Config
 from igrip.errors import RecordingError
@@ -31,20 +32,14 @@ def replay(
         list[str] | None,
         typer.Option(help="Targets estimator; repeatable over a dataset. Default: the library's."),
     ] = None,
-    objects: Annotated[
-        list[str] | None,
-        typer.Option(help="Where models come from, in place of the dataset's own or of ycb."),
-    ] = None,
+    objects: options.Objects = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", help="Write every intention to this .jsonl or .mcap."),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)] = 0,
-    limit: Annotated[
-        int,
-        typer.Option(help="Replay this many trials, evenly spread over the table; 0: all.", min=0),
-    ] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+    jobs: options.Jobs = 0,
+    limit: options.Limit = 0,
+    as_json: options.Json = False,
 ) -> None:
     """Run estimators over recordings and summarise the answers.
 
@@ -73,13 +68,12 @@ def _replay_recording(
     source = open_source(path)
     run = EstimatorRun(load_objects(*objects), config)
     times = []
-    with _writer(out) as write, progress() as bar:
-        task = bar.add_task(f"replaying {path.name}", total=None)
+    with _writer(out) as write, progress(f"replaying {path.name}") as update:
         for observation in source:
             times.append(observation.t)
             for intention in run.update(observation):
                 write(intention)
-            bar.advance(task)
+            update(advance=1)
     seconds = times[-1] - times[0] if times else 0.0
     summary = recording_summary(str(path), config.targets, len(times), seconds, run.intentions)
     cut = getattr(source, "cut", None)
@@ -89,7 +83,7 @@ def _replay_recording(
     else:
         print_recording(output, summary)
     if cut:
-        errors.print(cut, style="yellow", soft_wrap=True)
+        warn(cut)
 
 
 def _replay_dataset(
@@ -108,14 +102,13 @@ def _replay_dataset(
     analyse = partial(replay_run, keep_intentions=out is not None)
     replayed: list[ReplayedTrial] = []
     begin = time.perf_counter()
-    with _writer(out) as write, progress() as bar:
-        task = bar.add_task(f"replaying {dataset.name}", total=len(trials))
+    with _writer(out) as write, progress(f"replaying {dataset.name}", len(trials)) as update:
         for done in run_trials(dataset, catalog, configs, analyse, trials, jobs):
             for row, intentions in zip(done.rows, done.intentions, strict=True):
                 for intention in intentions:
                     write(intention, recording=row["recording"], targets=row["targets"])
             replayed.append(done._replace(intentions=[]))
-            bar.advance(task)
+            update(advance=1)
     elapsed = time.perf_counter() - begin
     summary = summarise_replay(dataset, replayed)
     recorded = sum(row.get("seconds", 0.0) for trial in replayed for row in trial.rows)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from igrip.cli import options
 from igrip.cli.console import output, print_json, progress
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import PROFILES, checksum, cohort_parameters
@@ -16,7 +17,7 @@ from igrip.objects.catalog import load_objects
 def simulate(
     out: Annotated[Path, typer.Argument(help="A new folder for the dataset.")],
     participants: Annotated[int, typer.Option(help="Number of people.", min=1)] = 11,
-    seed: Annotated[int, typer.Option(help="Seed of the random people and trials.", min=0)] = 0,
+    seed: options.Seed = 0,
     profile: Annotated[str, typer.Option(help=f"{', '.join(PROFILES)}.")] = "healthy",
     trials: Annotated[
         int, typer.Option(help="Simulate only this many trials of each; 0: all 128.", min=0)
@@ -24,7 +25,7 @@ def simulate(
     no_reach: Annotated[
         int, typer.Option(help="Minutes without a reach, one recording each.", min=0)
     ] = 30,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program.")] = False,
+    as_json: options.Json = False,
 ) -> None:
     """Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.
 
@@ -34,12 +35,11 @@ def simulate(
     """
     parameters, catalog = cohort_parameters(profile), load_objects("ycb")
     done = 0
-    with progress() as bar:
-        task = bar.add_task(f"simulating {out.name}", total=None)
+    with progress(f"simulating {out.name}") as update:
         for done, total in simulate_cohort(
             out, catalog, parameters, participants, seed, trials or None, no_reach
         ):
-            bar.update(task, completed=done, total=total)
+            update(completed=done, total=total)
     summary = {"recordings": done, "participants": participants, "profile": profile, "seed": seed,
                "parameters": checksum(parameters)}  # fmt: skip
     if as_json:

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from igrip.cli import estimator_setup as setup
-from igrip.cli.console import errors
+from igrip.cli import options
+from igrip.cli.console import errors, until_interrupted
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
@@ -31,21 +32,19 @@ def stream(
         typer.Option("--out", help="Where intentions go: ws (default), stdout or lsl; "
                      "repeatable."),
     ] = None,
-    objects: Annotated[
-        list[str] | None, typer.Option(help="Where models come from. Default: ycb.")
-    ] = None,
+    objects: options.Objects = None,
     preload: Annotated[
         list[str] | None,
         typer.Option(help="A model to read now rather than when it first appears, which can take "
                      "seconds on a new machine; repeatable."),
     ] = None,
-    targets: setup.Targets = None,
-    assisted: setup.Assisted = None,
-    reliability: setup.Reliability = setup.RELIABILITY,
-    confirm: setup.Confirm = False,
-    host: setup.Host = "127.0.0.1",
-    port: setup.Port = 8765,
-    token: setup.Token = None,
+    targets: options.Targets = None,
+    assisted: options.Assisted = None,
+    reliability: options.Reliability = setup.RELIABILITY,
+    confirm: options.Confirm = False,
+    host: options.Host = "127.0.0.1",
+    port: options.Port = 8765,
+    token: options.Token = None,
     name: Annotated[str, typer.Option(help="Of the LSL streams.")] = "igrip",
     senders_clock: Annotated[
         bool | None,
@@ -61,9 +60,9 @@ def stream(
 
     Example: igrip stream --in stdin --out stdout < reach.jsonl
     """
-    options = Options(host, port, token, name, tuple(assisted or HANDS))
-    members = {key: INPUTS.get(key)(options) for key in inputs or ["ws"]}
-    outlets = {key: OUTPUTS.get(key)(options) for key in outputs or ["ws"]}
+    shared = Options(host, port, token, name, tuple(assisted or HANDS))
+    members = {key: INPUTS.get(key)(shared) for key in inputs or ["ws"]}
+    outlets = {key: OUTPUTS.get(key)(shared) for key in outputs or ["ws"]}
     piped = len(members) == 1 and all(member.single_sender for member in members.values())
     if senders_clock and not piped:
         raise IgripError(
@@ -87,10 +86,8 @@ def stream(
             raise BrokenPipeError
 
     try:
-        with loop:
+        with until_interrupted(), loop:
             loop.run(stop_without_receivers)
-    except KeyboardInterrupt:
-        errors.print("stopped")
     except BrokenPipeError:
         errors.print("nobody reads standard output any more")
     finally:

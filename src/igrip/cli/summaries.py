@@ -8,8 +8,8 @@ from itertools import groupby, takewhile
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
+from igrip.cli.console import number, table_of
 from igrip.intention import Intention
 from igrip.lab.evaluation.replay import FRACTIONS
 
@@ -51,16 +51,16 @@ def print_recording(console: Console, summary: dict[str, Any]) -> None:
         f"{summary['recording']}: {summary['messages']} messages, {summary['seconds']:.1f} s, "
         f"{summary['intentions']} intentions by {summary['targets']}",
     )
-    table = Table("hand", "reach", "target", "settled after", "grip", "score")
-    for hand, answers in summary["hands"].items():
-        for reach in answers["reaches"]:
-            score = reach["confidence"]
-            table.add_row(
-                hand, f"{reach['begin']:.2f}-{reach['end']:.2f} s", reach["target"] or "-",
-                f"{reach['same_target_since'] - reach['begin']:.2f} s", reach["grip"] or "-",
-                "-" if score is None else f"{score:.2f}",
-            )  # fmt: skip
-    console.print(table if table.row_count else "no hand reached")
+    rows = [
+        (
+            hand, f"{reach['begin']:.2f}-{reach['end']:.2f} s", reach["target"] or "-",
+            f"{reach['same_target_since'] - reach['begin']:.2f} s", reach["grip"] or "-",
+            number(reach["confidence"]),
+        )
+        for hand, answers in summary["hands"].items() for reach in answers["reaches"]
+    ]  # fmt: skip
+    columns = ("hand", "reach", "target", "settled after", "grip", "score")
+    console.print(table_of(columns, rows) if rows else "no hand reached")
 
 
 def print_dataset(console: Console, summary: dict[str, Any]) -> None:
@@ -72,26 +72,29 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
     )
     for key, value in (summary["derived"] or {}).items():
         console.print(f"  {key}: {value}")
-    table = Table()
-    table.add_column("targets", overflow="fold", min_width=len("distance_derivative"))
-    table.add_column("group")
-    for column in ("trials", "success", *(f"right at {part}" for part in FRACTIONS)):
-        table.add_column(column, justify="right")
-    for column in ("delay", "from onset on", "margin"):
-        table.add_column(column, justify="right")
-    for row in summary["results"]:
-        shares = [row.get("success"), *(row.get(f"accuracy_{part}") for part in FRACTIONS)]
-        times = [row.get("delay_s"), row.get("delay_clipped_s"), row.get("margin_s")]
-        table.add_row(
+    shares = {
+        "success": "success",
+        **{f"accuracy_{part}": f"right at {part}" for part in FRACTIONS},
+    }
+    times = {"delay_s": "delay", "delay_clipped_s": "from onset on", "margin_s": "margin"}
+    rows = [
+        (
             row["targets"], row["group"], str(row["trials"]),
-            *("-" if share is None else f"{100 * share:.1f} %" for share in shares),
-            *("-" if seconds is None else f"{seconds:.2f} s" for seconds in times),
-        )  # fmt: skip
-    console.print(table)
+            *(_percent(row.get(key)) for key in shares),
+            *(number(row.get(key), unit=" s") for key in times),
+        )
+        for row in summary["results"]
+    ]  # fmt: skip
+    columns = ("targets", "group", "trials", *shares.values(), *times.values())
+    console.print(table_of(columns, rows))
     print_trials(console, summary["remarks"], "remark")
     if summary["problems"]:
         console.print(f"{len(summary['problems'])} result(s) are missing:", style="yellow")
     print_trials(console, summary["problems"], "problem")
+
+
+def _percent(share: float | None) -> str:
+    return number(share and 100 * share, ".1f", " %")
 
 
 def print_trials(console: Console, rows: Sequence[dict[str, Any]], key: str) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from igrip.cli.console import errors, progress
+from igrip.cli import options
+from igrip.cli.console import errors, progress, until_interrupted
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
@@ -27,19 +29,14 @@ def view(
     trial: Annotated[
         int, typer.Option(help="Of a dataset: the row of trials.tsv, from 1.", min=1)
     ] = 1,
-    targets: Annotated[
-        str | None, typer.Option(help="Targets estimator. Default: the library's.")
-    ] = None,
-    objects: Annotated[
-        list[str] | None,
-        typer.Option(help="Where models come from, in place of the dataset's own or of ycb."),
-    ] = None,
+    targets: options.Targets = None,
+    objects: options.Objects = None,
     begin: Annotated[float, typer.Option(help="Start at this time of the recording [s].")] = 0.0,
     duration: Annotated[
         float,
         typer.Option(help="Show at most this many seconds; all are kept in memory.", min=0.0),
     ] = 600.0,
-    port: Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)] = 8080,
+    port: options.PagePort = 8080,
 ) -> None:
     """Look at a recording in the browser: play, pause, step, and go to any time.
 
@@ -60,13 +57,9 @@ def view(
     viewer.note(path.name, f"by {config.targets}")
     player = Player(viewer, snapshots)
     worker.start(player.replace, lambda status: viewer.note(path.name, status))
-    try:
+    with closing(viewer), until_interrupted():
         errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
         player.run()
-    except KeyboardInterrupt:
-        errors.print("stopped")
-    finally:
-        viewer.close()
 
 
 def _open(recording: Path, trial: int, objects: list[str]) -> tuple[Path, Catalog]:
@@ -98,11 +91,10 @@ def _read(path: Path, until: float) -> list[Observation]:
 def _replay(
     name: str, observations: list[Observation], catalog: Catalog, config: Config, begin: float
 ) -> list[Snapshot]:
-    with progress() as bar:
-        task = bar.add_task(f"running {config.targets} over {name}", total=len(observations))
+    with progress(f"running {config.targets} over {name}", len(observations)) as update:
 
         def counted(observation: Observation) -> Observation:
-            bar.advance(task)
+            update(advance=1)
             return observation
 
         first = observations[0].t + begin if observations else 0.0

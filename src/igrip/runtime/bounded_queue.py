@@ -37,14 +37,9 @@ class BoundedQueue(Generic[T]):
     def put(
         self, item: T, sender: Hashable = None, wait: bool = False, urgent: bool = False
     ) -> None:
-        """Add an item of a sender.
+        """Add an item of a sender; ``wait`` for room rather than drop another.
 
-        Parameters
-        ----------
-        wait : bool
-            Whether to wait for room, rather than to drop an item.
-        urgent : bool
-            Whether it overtakes all items that are not.
+        An urgent item overtakes all that are not.
         """
         items = self._urgent if urgent else self._items
         with self._change:

@@ -73,16 +73,9 @@ class RunClock:
         return self._clock() - self._begin
 
     def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
-        """Return a message with its time on this clock; times never decrease.
+        """Return a message, sent by a clock with this offset, with its time on the run's clock.
 
-        Parameters
-        ----------
-        message : Observation
-            As it was sent.
-        arrived : float
-            When it arrived, by :meth:`now` [s].
-        offset : ClockOffset
-            That of its sender's clock.
+        ``arrived`` is when it arrived, by :meth:`now` [s]. The times never decrease.
         """
         if message.t < self._newest:
             return restamp(message, self._newest, 0.0)

@@ -21,27 +21,13 @@ from igrip.intention import Intention
 
 @dataclass(frozen=True)
 class Envelope:
-    """An intention on its way to the outputs.
-
-    Attributes
-    ----------
-    intention : Intention
-        The content.
-    session : str
-        Identifies this run of the service; another run begins its ``seq`` anew.
-    seq : int
-        Grows by one with each intention of a session: a gap shows what was lost.
-    arrived : float
-        When the message that led to it arrived, by ``now`` [s].
-    now : function
-        The time of the run [s].
-    """
+    """An intention on its way to the outputs."""
 
     intention: Intention
-    session: str
-    seq: int
-    arrived: float
-    now: Callable[[], float] = field(repr=False, compare=False)
+    session: str  # of this run; another run begins its ``seq`` anew
+    seq: int  # grows by one with each intention of a session: a gap shows what was lost
+    arrived: float  # when the message that led to it arrived, by ``now`` [s]
+    now: Callable[[], float] = field(repr=False, compare=False)  # the time of the run [s]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the message to send now; a lease that has ended meanwhile is left out."""
@@ -66,13 +52,7 @@ class Envelope:
 
 
 class Sequencer:
-    """Numbers the intentions of one run.
-
-    Parameters
-    ----------
-    now : function
-        The time of the run [s].
-    """
+    """Numbers the intentions of one run, whose time is ``now`` [s]."""
 
     def __init__(self, now: Callable[[], float]) -> None:
         self.session = uuid.uuid4().hex[:12]

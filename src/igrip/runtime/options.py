@@ -10,23 +10,11 @@ HANDS = ("left", "right")
 
 @dataclass(frozen=True)
 class Options:
-    """What an input or an output is made from.
+    """What an input or an output is made from."""
 
-    Attributes
-    ----------
-    host, port, token
-        Of the WebSocket server; port 0: any that is free.
-    stream_name : str
-        Of the Lab Streaming Layer streams.
-    hands : tuple of str
-        The hands that have channels in a signal.
-    shared : dict
-        What members share, such as the one server of input and output.
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 8765
+    host: str = "127.0.0.1"  # host, port and token are those of the WebSocket server
+    port: int = 8765  # 0: any that is free
     token: str | None = None
-    stream_name: str = "igrip"
-    hands: tuple[str, ...] = HANDS
-    shared: dict[str, Any] = field(default_factory=dict)
+    stream_name: str = "igrip"  # of the Lab Streaming Layer streams
+    hands: tuple[str, ...] = HANDS  # that have channels in a signal
+    shared: dict[str, Any] = field(default_factory=dict)  # such as one server of input and output

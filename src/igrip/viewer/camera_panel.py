@@ -5,39 +5,20 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.geometry.scene import PlacedObject
-from igrip.intention import Intention
-from igrip.rgbd import RgbdFrame
 from igrip.runtime.mailbox import Mailbox
-from igrip.viewer.overlay import draw_overlay
+from igrip.viewer.overlay import CameraView, draw_overlay
 
 log = logging.getLogger(__name__)
 INTERVAL = 0.1  # s between two pictures: a page needs no more, and encoding takes time of a core
 
 
-class CameraView(NamedTuple):
-    """What a picture shows; the arguments of :func:`igrip.viewer.overlay.draw_overlay`."""
-
-    frame: RgbdFrame
-    landmarks: Mapping[str, NDArray[np.float64]]
-    objects: Sequence[PlacedObject]
-    intentions: Sequence[Intention]
-
-
 class CameraPanel:
-    """Pictures of one or several cameras on a page, above a table.
-
-    Parameters
-    ----------
-    server : viser server
-        Of the page.
-    """
+    """Pictures of one or several cameras on the page of a viser server, above a table."""
 
     def __init__(self, server: Any) -> None:
         self._gui = server.gui
@@ -68,7 +49,7 @@ class CameraPanel:
                 continue
             try:
                 for camera, view in sorted(views.items()):
-                    self._draw(camera, draw_overlay(*view))
+                    self._draw(camera, draw_overlay(view))
                 self.drawn += 1
             except Exception:  # a picture that cannot be drawn must not end the page
                 log.exception("a picture was not drawn")

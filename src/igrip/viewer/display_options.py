@@ -11,18 +11,10 @@ ALL = "all"
 
 
 class DisplayOptions:
-    """The folder of display options.
+    """The folder of display options on the page of a viser server.
 
-    Parameters
-    ----------
-    server : viser.ViserServer
-        Of the page.
-    targets : str or None
-        Name of the current estimator.
-    choose_targets : function or None
-        Called with the name of another; without it the estimator cannot be changed.
-    on_change : function
-        Called when another hand, panel or part of the scene is to be shown.
+    ``choose_targets`` is called with the name of another estimator, and without it the estimator
+    cannot be changed; ``on_change`` when another hand, panel or part of the scene is to be shown.
     """
 
     def __init__(

@@ -49,17 +49,7 @@ class SceneDrawing:
         server.initial_camera.look_at = (0.09, 0.27, 0.05)
 
     def draw(self, snapshot: Snapshot, rays: bool = True, only: str | None = None) -> None:
-        """Draw a snapshot.
-
-        Parameters
-        ----------
-        snapshot : Snapshot
-            The snapshot.
-        rays : bool
-            Whether to draw rays and impacts.
-        only : str, optional
-            The hand whose path and rays are drawn; by default all hands.
-        """
+        """Draw a snapshot; path and rays of the hand ``only``, by default of all hands."""
         targets = {
             hand.target.id for hand in snapshot.hands
             if hand.target is not None and hand.intention.status in ("reaching", "holding")
@@ -100,18 +90,15 @@ class SceneDrawing:
             self.colours[placed.id] = min(COLOURS, key=used.count)  # the rarest
         own = self.colours[placed.id]
         colour = TARGET if is_target else own
+        model = placed.model
         mesh = self._handle(
-            name,
-            lambda: self._scene.add_mesh_simple(
-                name, placed.model.vertices.astype(np.float32), placed.model.faces, color=colour
-            ),
-        )
+            self._scene.add_mesh_simple, name, model.vertices.astype(np.float32), model.faces,
+            color=colour,
+        )  # fmt: skip
         label = self._handle(
-            f"{name}/label",
-            lambda: self._scene.add_label(
-                f"{name}/label", placed.id, position=tuple(_top(placed)), anchor="bottom-center"
-            ),
-        )
+            self._scene.add_label, f"{name}/label", placed.id, position=tuple(_top(placed)),
+            anchor="bottom-center",
+        )  # fmt: skip
         mesh.visible = label.visible = True
         mesh.wxyz = _wxyz(placed.rotation)
         mesh.position = placed.translation
@@ -121,16 +108,9 @@ class SceneDrawing:
     def _draw_hand(self, snapshot: Snapshot, hand: HandSnapshot, shown: bool, rays: bool) -> None:
         id = hand.intention.hand
         path = _path("hands", id)
-        ball = self._handle(
-            f"{path}/palm",
-            lambda: self._scene.add_icosphere(
-                f"{path}/palm", radius=0.022, color=HANDS.get(id, (120, 120, 120))
-            ),
-        )
-        label = self._handle(
-            f"{path}/label",
-            lambda: self._scene.add_label(f"{path}/label", id, anchor="bottom-center"),
-        )
+        colour = HANDS.get(id, (120, 120, 120))
+        ball = self._handle(self._scene.add_icosphere, f"{path}/palm", radius=0.022, color=colour)
+        label = self._handle(self._scene.add_label, f"{path}/label", id, anchor="bottom-center")
         ball.visible = label.visible = len(hand.past) > 0
         if len(hand.past):
             ball.position = hand.past[-1]
@@ -149,33 +129,30 @@ class SceneDrawing:
     def _points(
         self, name: str, points: NDArray[np.float64], colour: tuple[int, ...], size: float
     ) -> None:
-        self._set_points(
-            name, points,
-            lambda: self._scene.add_point_cloud(
-                name, np.zeros((1, 3), np.float32), colour, point_size=size, point_shape="circle",
-                precision="float32",
-            ),
+        cloud = self._handle(
+            self._scene.add_point_cloud, name, np.zeros((1, 3), np.float32), colour,
+            point_size=size, point_shape="circle", precision="float32",
         )  # fmt: skip
+        _set_points(cloud, points)
 
     def _lines(self, name: str, segments: NDArray[np.float64], colour: tuple[int, ...]) -> None:
-        self._set_points(
-            name, segments,
-            lambda: self._scene.add_line_segments(
-                name, np.zeros((1, 2, 3), np.float32), colour, thickness=1.0,
-                thickness_units="screen",
-            ),
+        lines = self._handle(
+            self._scene.add_line_segments, name, np.zeros((1, 2, 3), np.float32), colour,
+            thickness=1.0, thickness_units="screen",
         )  # fmt: skip
+        _set_points(lines, segments)
 
-    def _set_points(self, name: str, points: NDArray[np.float64], make: Callable[[], Any]) -> None:
-        handle = self._handle(name, make)
-        handle.visible = len(points) > 0
-        if len(points):
-            handle.points = points.astype(np.float32)
-
-    def _handle(self, name: str, make: Callable[[], Any]) -> Any:
+    def _handle(self, add: Callable[..., Any], name: str, *shape: Any, **looks: Any) -> Any:
+        """Return what is drawn under a name; add it if it is not there yet."""
         if name not in self._handles:
-            self._handles[name] = make()
+            self._handles[name] = add(name, *shape, **looks)
         return self._handles[name]
+
+
+def _set_points(handle: Any, points: NDArray[np.float64]) -> None:
+    handle.visible = len(points) > 0
+    if len(points):
+        handle.points = points.astype(np.float32)
 
 
 def _path(kind: str, id: str) -> str:

@@ -10,27 +10,16 @@ import numpy as np
 
 from igrip.lab.report.matplotlib_figure import new_figure
 from igrip.objects.model import ObjectModel
-from igrip.viewer.grip_zones import grip_zones
+from igrip.viewer.grip_zones import PALMAR, PINCH, grip_zones
 
-PALMAR, PINCH = "#5a82d8", "#d35ac0"
+PALMAR_HEX, PINCH_HEX = ("#{:02x}{:02x}{:02x}".format(*colour) for colour in (PALMAR, PINCH))
 
 
 def draw_grip_zones(models: Sequence[ObjectModel], pinch_from: float, path: Path) -> None:
-    """Draw each object from the side: its zones, its bounding cylinder and its z axis.
+    """Draw each object from the side, to one scale: its zones, its cylinder and its z axis.
 
-    Parameters
-    ----------
-    models : sequence of ObjectModel
-        The objects, side by side and to one scale.
-    pinch_from : float
-        Border of the pinch zone, in half-lengths of the cylinder.
-    path : Path
-        The file to write; its ending selects PNG or SVG.
-
-    Raises
-    ------
-    MissingExtraError
-        If matplotlib is not installed.
+    ``pinch_from`` is the border of the pinch zone, in half-lengths of the cylinder; the ending of
+    the file selects PNG or SVG. Raises :class:`MissingExtraError` without matplotlib.
     """
     figure = new_figure(2.6 * len(models), 4.6, "the picture of grip zones")
     panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
@@ -49,7 +38,7 @@ def _draw(panel: Any, model: ObjectModel, pinch_from: float) -> None:
     corners = 1e3 * zones.vertices[zones.faces]  # millimetres
     order = np.argsort(-corners[:, :, 1].mean(axis=1))  # the far side first
     half, radius = 500.0 * model.length, 1e3 * model.radius
-    colours = np.where(zones.pinch, PINCH, PALMAR)[order]
+    colours = np.where(zones.pinch, PINCH_HEX, PALMAR_HEX)[order]
     panel.add_collection(
         PolyCollection(list(corners[order][:, :, [0, 2]]), facecolors=colours, edgecolors="none")
     )
@@ -58,7 +47,7 @@ def _draw(panel: Any, model: ObjectModel, pinch_from: float) -> None:
     )
     border = pinch_from * half
     for height in (-border, border):
-        panel.axhline(height, color=PINCH, linewidth=0.8, linestyle="--")
+        panel.axhline(height, color=PINCH_HEX, linewidth=0.8, linestyle="--")
     panel.annotate(
         "", (0.0, 1.35 * half), (0.0, 0.0),
         arrowprops={"arrowstyle": "-|>", "color": "#d02020", "linewidth": 1.5},

@@ -12,22 +12,15 @@ from igrip.grips.cylinder import is_pinch
 from igrip.objects.model import ObjectModel
 
 Array = NDArray[np.float64]
+PALMAR, PINCH = (90, 130, 216), (211, 90, 192)  # the colours of the grips: red, green, blue
 
 
 class Zones(NamedTuple):
-    """A mesh in the object frame, with every face in one zone.
+    """A mesh in the object frame, with every face in one zone."""
 
-    Attributes
-    ----------
-    vertices, faces : (v, 3), (f, 3)
-        The mesh, in the object frame [m].
-    pinch : (f,) bool
-        Whether a hand beside the face pinches.
-    """
-
-    vertices: Array
-    faces: NDArray[np.int64]
-    pinch: NDArray[np.bool_]
+    vertices: Array  # (v, 3), in the object frame [m]
+    faces: NDArray[np.int64]  # (f, 3)
+    pinch: NDArray[np.bool_]  # (f,), whether a hand beside the face pinches
 
 
 def grip_zones(model: ObjectModel, pinch_from: float) -> Zones:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,38 +26,32 @@ OTHER, OUTLINE, INK, PAPER = (120, 120, 120), (240, 200, 70), (255, 255, 255), (
 MIN_DEPTH = 0.05  # m; nearer objects have no outline
 
 
-def draw_overlay(
-    frame: RgbdFrame,
-    landmarks: Mapping[str, Array],
-    objects: Sequence[PlacedObject],
-    intentions: Sequence[Intention],
-    width: int = 640,
-) -> NDArray[np.uint8]:
-    """Return a frame's colour picture with landmarks, outlines, targets and grips drawn over it.
+class CameraView(NamedTuple):
+    """What is drawn over a frame.
 
-    Parameters
+    Attributes
     ----------
-    frame : RgbdFrame
-        The frame to draw over.
     landmarks : mapping of str to (21, 2)
         Of each hand [pixels].
     objects : sequence of PlacedObject
         In the world frame.
     intentions : sequence of Intention
         The newest of each hand.
-    width : int
-        Of the picture that is returned [pixels].
-
-    Returns
-    -------
-    (h, width, 3) uint8
-        Red, green, blue.
-
-    Raises
-    ------
-    MissingExtraError
-        If OpenCV is not installed.
     """
+
+    frame: RgbdFrame
+    landmarks: Mapping[str, Array]
+    objects: Sequence[PlacedObject]
+    intentions: Sequence[Intention]
+
+
+def draw_overlay(view: CameraView, width: int = 640) -> NDArray[np.uint8]:
+    """Return a frame's colour picture with landmarks, outlines, targets and grips drawn over it.
+
+    Its shape is (h, width, 3), red, green, blue. It raises :class:`MissingExtraError` if OpenCV is
+    not installed.
+    """
+    frame, landmarks, objects, intentions = view
     with requires_extra("opencv-python-headless", "hands", "the overlay"):
         import cv2
     scale = width / frame.intrinsics.width

@@ -39,10 +39,7 @@ def replay_snapshots(
 class Playhead:
     """The position in a recording, and whether it moves.
 
-    Parameters
-    ----------
-    times : sequence of float
-        Increasing times of the snapshots [s]; at least one.
+    ``times`` are those of the snapshots, increasing, at least one [s].
     """
 
     def __init__(self, times: Sequence[float]) -> None:
@@ -83,15 +80,7 @@ class Playhead:
 
 
 class Player:
-    """Controls on the page that play the snapshots of a recording.
-
-    Parameters
-    ----------
-    viewer : Viewer
-        The page.
-    snapshots : sequence of Snapshot
-        At least one.
-    """
+    """Controls on the page that play the snapshots of a recording, at least one."""
 
     def __init__(self, viewer: Viewer, snapshots: Sequence[Snapshot]) -> None:
         self._viewer = viewer
@@ -165,10 +154,7 @@ class Player:
 class ReplayWorker:
     """Replays a recording with the estimator that was requested last, in a thread of its own.
 
-    Parameters
-    ----------
-    replay : function
-        From the name of an estimator to the snapshots of the recording.
+    ``replay`` leads from the name of an estimator to the snapshots of the recording.
     """
 
     def __init__(self, replay: Callable[[str], Sequence[Snapshot]]) -> None:
@@ -185,20 +171,17 @@ class ReplayWorker:
         on_status: Callable[[str], None],
     ) -> None:
         """Start working; the functions get the snapshots and a line about the progress."""
-        threading.Thread(target=self._run, args=(on_replayed, on_status), daemon=True).start()
 
-    def _run(
-        self,
-        on_replayed: Callable[[Sequence[Snapshot]], None],
-        on_status: Callable[[str], None],
-    ) -> None:
-        name = self._requested.get()
-        while name is not None:
-            on_status(f"running {name} …")
-            snapshots = self._replay(name)
-            newer = self._requested.get(timeout=0.0)
-            if newer is None:
-                on_replayed(snapshots)
-                on_status(f"by {name}")
-                newer = self._requested.get()
-            name = newer
+        def work() -> None:
+            name = self._requested.get()
+            while name is not None:
+                on_status(f"running {name} …")
+                snapshots = self._replay(name)
+                newer = self._requested.get(timeout=0.0)
+                if newer is None:
+                    on_replayed(snapshots)
+                    on_status(f"by {name}")
+                    newer = self._requested.get()
+                name = newer
+
+        threading.Thread(target=work, daemon=True).start()

@@ -37,13 +37,52 @@ KEY = (
 )
 
 
-class Viewer:
-    """A page with the scene and the time courses.
+class Page:
+    """A page served by viser in the project's style.
 
     Parameters
     ----------
     host, port : str, int
         Address to listen on; if the port is not free, the next free one is used.
+
+    Attributes
+    ----------
+    server : viser.ViserServer
+        To add controls.
+
+    Raises
+    ------
+    MissingExtraError
+        If viser is not installed.
+    """
+
+    def __init__(self, host: str = "127.0.0.1", port: int = 8080) -> None:
+        with requires_extra("viser", "viewer", "the scene in the browser"):
+            import viser
+        with quiet():
+            self.server: Any = viser.ViserServer(host, port, label="igrip", verbose=False)
+        gui = self.server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
+        gui.set_panel_label("igrip")
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return f"http://localhost:{self.server.get_port()}"
+
+    def close(self) -> None:
+        """Close the page's server."""
+        with quiet():
+            self.server.stop()
+
+
+class Viewer(Page):
+    """A page with the scene and the time courses.
+
+    Parameters
+    ----------
+    host, port : str, int
+        As of :class:`Page`.
     targets : str, optional
         Name of the current estimator.
     choose_targets : function, optional
@@ -54,11 +93,6 @@ class Viewer:
     ----------
     drawn : int
         Snapshots that were drawn, some of them again after a change of the options.
-
-    Raises
-    ------
-    MissingExtraError
-        If viser is not installed.
     """
 
     def __init__(
@@ -68,17 +102,17 @@ class Viewer:
         targets: str | None = None,
         choose_targets: Callable[[str], None] | None = None,
     ) -> None:
-        self._server: Any = open_server(host, port)
+        super().__init__(host, port)
         self._waiting: Mailbox[Snapshot] = Mailbox()
         self._history: deque[Snapshot] = deque(maxlen=MAX_SNAPSHOTS)
         self._lock = threading.Lock()  # of the history; its last snapshot is the newest
         self.drawn = 0
-        gui = self._server.gui
+        gui = self.server.gui
         self._note = gui.add_markdown("")
         self._summary = gui.add_markdown("*no hand yet*")
-        self._drawing = SceneDrawing(self._server)
-        self._options = DisplayOptions(self._server, targets, choose_targets, self._redraw)
-        self._courses = CoursesPanels(self._server)
+        self._drawing = SceneDrawing(self.server)
+        self._options = DisplayOptions(self.server, targets, choose_targets, self._redraw)
+        self._courses = CoursesPanels(self.server)
         gui.add_markdown(KEY)
         self._thread = threading.Thread(target=self._run, name="igrip-viewer", daemon=True)
         self._thread.start()
@@ -87,16 +121,6 @@ class Viewer:
     def dropped(self) -> int:
         """Snapshots that newer ones replaced before they could be drawn."""
         return self._waiting.replaced
-
-    @property
-    def url(self) -> str:
-        """Address of the page."""
-        return f"http://localhost:{self._server.get_port()}"
-
-    @property
-    def server(self) -> Any:
-        """The viser server, to add controls."""
-        return self._server
 
     def show(self, snapshot: Snapshot) -> None:
         """Show the newest snapshot; never blocks."""
@@ -125,8 +149,7 @@ class Viewer:
         """Stop drawing and close the page's server."""
         self._waiting.close()
         self._thread.join(timeout=5.0)
-        with quiet():
-            self._server.stop()
+        super().close()
 
     def _redraw(self) -> None:
         """Draw the newest snapshot again, after a change of the options."""
@@ -147,7 +170,7 @@ class Viewer:
             if due:
                 courses_due = time.monotonic() + COURSES_INTERVAL
             try:
-                with self._server.atomic():
+                with self.server.atomic():
                     if snapshot is not None:
                         self._draw(snapshot)
                         self.drawn += 1
@@ -188,23 +211,6 @@ def plain(text: str) -> str:
     return re.sub(r"([\\`*_{}\[\]()#+\-!|~>])", r"\\\1", escape(text, quote=False)).replace(
         "\n", " "
     )
-
-
-def open_server(host: str, port: int) -> Any:
-    """Return a viser server in the project's style.
-
-    Raises
-    ------
-    MissingExtraError
-        If viser is not installed.
-    """
-    with requires_extra("viser", "viewer", "the scene in the browser"):
-        import viser
-    with quiet():
-        server = viser.ViserServer(host, port, label="igrip", verbose=False)
-    server.gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
-    server.gui.set_panel_label("igrip")
-    return server
 
 
 @contextmanager

@@ -19,46 +19,22 @@ RAY_LENGTH = 0.25  # of a ray that meets nothing [m]
 
 @dataclass(frozen=True)
 class HandSnapshot:
-    """One hand at one time.
+    """One hand at one time."""
 
-    Attributes
-    ----------
-    intention : Intention
-        Its newest intention.
-    past : (n, 3)
-        Its filtered positions in the window, newest last [m].
-    motion : Motion or None
-        Its motion; None while unknown.
-    target : PlacedObject or None
-        The predicted target.
-    """
-
-    intention: Intention
-    past: Array
-    motion: Motion | None
-    target: PlacedObject | None
+    intention: Intention  # its newest
+    past: Array  # filtered positions in the window, newest last, shape (n, 3) [m]
+    motion: Motion | None  # None while unknown
+    target: PlacedObject | None  # the predicted one
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """All hands and objects at one time.
+    """All usable objects and tracked hands at one time."""
 
-    Attributes
-    ----------
-    t : float
-        On the clock of the messages [s].
-    objects : sequence of PlacedObject
-        The usable objects.
-    hands : sequence of HandSnapshot
-        All tracked hands.
-    scene : Scene
-        The geometry in which their rays were cast.
-    """
-
-    t: float
+    t: float  # on the clock of the messages [s]
     objects: Sequence[PlacedObject]
     hands: Sequence[HandSnapshot]
-    scene: Scene
+    scene: Scene  # the geometry in which their rays were cast
 
 
 def take_snapshot(estimator: Estimator) -> Snapshot:

@@ -18,11 +18,12 @@ from igrip.lab.evaluation.time_courses import (
     TimeCourses,
     time_courses,
 )
+from igrip.viewer.grip_zones import PALMAR, PINCH
 from igrip.viewer.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 MAX_OBJECTS = 8  # lines in a panel
-GRIP_COLOURS = ((90, 130, 216), (211, 90, 192))
+GRIP_COLOURS = (PALMAR, PINCH)
 
 
 def courses_of(moments: Sequence[Snapshot], hand: str) -> TimeCourses:
@@ -85,12 +86,9 @@ class CoursesPanels:
             for name, rows in courses.panels.items():
                 if not len(rows):  # no object, no line
                     continue
-                if name == SPEED:
-                    strokes = ["rgb(60,60,60)"]
-                else:
-                    strokes = (
-                        list(names.values()) if name != GRIP else list(map(_css, GRIP_COLOURS))
-                    )
+                strokes = {SPEED: ["rgb(60,60,60)"], GRIP: list(map(_css, GRIP_COLOURS))}.get(
+                    name, list(names.values())
+                )
                 self._plots[name] = self._gui.add_uplot(
                     (courses.times, *rows),
                     ({"label": "t [s]"}, *(_series(stroke, name) for stroke in strokes)),

@@ -90,6 +90,18 @@ class Dataset:
                 return path
         raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")
 
+    def participants_without_trials(self) -> list[str]:
+        """Return the participants that have a row in their table, but no trial."""
+        try:
+            with (self.path / "participants.tsv").open(encoding="utf-8-sig", newline="") as file:
+                named = [row.get("participant") for row in csv.DictReader(file, delimiter="\t")]
+        except (OSError, UnicodeDecodeError, csv.Error):
+            return []  # the table is optional
+        present = {trial.participant for trial in self.trials}
+        if present <= {None}:
+            return []  # the trials have no column of participants
+        return sorted({name for name in named if name and name not in present})
+
 
 class DatasetWriter:
     """Write a dataset: each recording when it is added, the tables at the end.
@@ -153,12 +165,7 @@ class DatasetWriter:
         text = json.dumps(self._description, indent=2, ensure_ascii=False)
         (self.path / "dataset.json").write_text(text + "\n", encoding="utf-8")
         more = sorted({name for trial in self._trials for name in trial.extra})
-        rows = []
-        for trial in self._trials:
-            row = asdict(trial)
-            row.update(row.pop("extra"))
-            row.pop("problem")
-            rows.append(row)
+        rows = [asdict(trial) | dict(trial.extra) for trial in self._trials]
         _write_table(self.path / "trials.tsv", [*COLUMNS, *more], rows)
         known = dict(participants or {})
         names = list(dict.fromkeys(t.participant for t in self._trials if t.participant))
@@ -186,10 +193,11 @@ def _check_name(name: str) -> None:
 
 def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns, delimiter="\t", lineterminator="\n", restval="")
+        writer = csv.DictWriter(
+            file, columns, extrasaction="ignore", delimiter="\t", lineterminator="\n"
+        )
         writer.writeheader()
-        for row in rows:
-            writer.writerow({key: "" if row.get(key) is None else row[key] for key in columns})
+        writer.writerows(rows)
 
 
 def _read_description(path: Path) -> Mapping[str, Any]:

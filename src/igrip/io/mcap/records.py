@@ -20,27 +20,13 @@ MAX_BYTES = 1 << 26  # of a record, packed or not; the chunks that igrip writes 
 
 
 class Record(NamedTuple):
-    """One message of the file.
-
-    Attributes
-    ----------
-    topic : str
-        Its topic.
-    number : int
-        Its number within the topic, from 1.
-    t : float
-        Its time [s].
-    data : bytes
-        Its payload.
-    metadata : dict
-        Of its channel.
-    """
+    """One message of the file."""
 
     topic: str
-    number: int
-    t: float
+    number: int  # within the topic, from 1
+    t: float  # [s]
     data: bytes
-    metadata: dict[str, str]
+    metadata: dict[str, str]  # of its channel
 
 
 def packed_records(file: BinaryIO) -> Iterator[tuple[int, bytes | None]]:

@@ -24,6 +24,7 @@ from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 
 Result = TypeVar("Result")
+T = TypeVar("T")
 MIN_TRIALS = 20  # for each process: it takes seconds to start
 MAX_CHUNK = 20  # trials sent to a process together: progress should show
 _analyse_in_worker: Callable[[Trial], Any]  # set in worker processes only
@@ -134,7 +135,7 @@ def count_jobs(jobs: int, trials: int) -> int:
     return max(1, min(jobs or os.cpu_count() or 1, trials // MIN_TRIALS))
 
 
-def spread(trials: Sequence[Trial], limit: int) -> list[Trial]:
+def spread(trials: Sequence[T], limit: int) -> list[T]:
     """Return ``limit`` trials evenly spread over the table; 0: all."""
     count = min(limit or len(trials), len(trials))
     return [trials[k * len(trials) // count] for k in range(count)]

@@ -95,32 +95,28 @@ def numbers_of(intention: Intention, valid_for: float | None) -> list[float]:
 
 
 def _markers(name: str, session: str) -> pylsl.StreamInfo:
-    info = pylsl.StreamInfo(
-        f"{name}-markers", "Markers", 1, pylsl.IRREGULAR_RATE, "string", f"igrip-{session}-markers"
-    )
-    _describe(info)
-    channel = info.desc().append_child("channels").append_child("channel")
-    channel.append_child_value("label", "intention").append_child_value("type", "Marker")
-    return info
+    channel = {"label": "intention", "type": "Marker"}
+    return _info(f"{name}-markers", "Markers", "string", f"igrip-{session}-markers", [channel])
 
 
 def _signal(name: str, session: str, hands: Sequence[str]) -> pylsl.StreamInfo:
-    info = pylsl.StreamInfo(
-        name, "Intention", len(hands) * len(CHANNELS), pylsl.IRREGULAR_RATE, "float32",
-        f"igrip-{session}",
-    )  # fmt: skip
-    _describe(info)
-    channels = info.desc().append_child("channels")
-    for hand in hands:
-        for label, unit, meaning in CHANNELS:
-            channel = channels.append_child("channel")
-            channel.append_child_value("label", f"{hand}.{label}")
-            channel.append_child_value("unit", unit).append_child_value("type", "Intention")
-            channel.append_child_value("description", meaning)
-    return info
+    channels = [
+        {"label": f"{hand}.{label}", "unit": unit, "type": "Intention", "description": meaning}
+        for hand in hands for label, unit, meaning in CHANNELS
+    ]  # fmt: skip
+    return _info(name, "Intention", "float32", f"igrip-{session}", channels)
 
 
-def _describe(info: pylsl.StreamInfo) -> None:
+def _info(
+    name: str, kind: str, form: str, source: str, channels: Sequence[Mapping[str, str]]
+) -> pylsl.StreamInfo:
+    info = pylsl.StreamInfo(name, kind, len(channels), pylsl.IRREGULAR_RATE, form, source)
     acquisition = info.desc().append_child("acquisition")
     acquisition.append_child_value("manufacturer", "igrip").append_child_value("model", "igrip")
     acquisition.append_child_value("software_version", __version__)
+    described = info.desc().append_child("channels")
+    for channel in channels:
+        node = described.append_child("channel")
+        for key, value in channel.items():
+            node.append_child_value(key, value)
+    return info

@@ -1,0 +1,46 @@
+"""The options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for a program.")]
+Targets = Annotated[str | None, typer.Option(help="Targets estimator. Default: the library's.")]
+Objects = Annotated[
+    list[str] | None,
+    typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:…; repeatable. "
+                 "Default: the dataset's own, or ycb."),
+]  # fmt: skip
+Seed = Annotated[int, typer.Option(help="Seed of all that is random.", min=0)]
+Jobs = Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)]
+Limit = Annotated[
+    int, typer.Option(help="Only so many of them, evenly spread over the table; 0: all.", min=0)
+]
+PagePort = Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)]
+Calibration = Annotated[
+    Path | None, typer.Option(help="Where the cameras stand: a file of igrip calibrate.")
+]
+
+Assisted = Annotated[
+    list[str] | None,
+    typer.Option(help="A hand that a device assists; repeatable. No other gets a commitment. "
+                 "Default: every hand."),
+]  # fmt: skip
+Reliability = Annotated[
+    float,
+    typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all.",
+                 min=0.0, max=1.0),
+]  # fmt: skip
+Confirm = Annotated[
+    bool, typer.Option("--confirm", help="Commit only to reaches that are confirmed from outside.")
+]
+Host = Annotated[str, typer.Option(help="Address of the WebSocket server.")]
+Port = Annotated[int, typer.Option(help="Its port; 0: any that is free.", min=0, max=65535)]
+Token = Annotated[
+    str | None,
+    typer.Option(envvar="IGRIP_TOKEN", help="Required of clients; needed where others can reach "
+                 "the address."),
+]  # fmt: skip
