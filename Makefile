@@ -79,9 +79,8 @@ report: $(READY)  ## write the report of a small cohort in the documentation
 golden: $(READY)  ## rewrite the golden vectors, from the oracle alone
 	$(BIN)/python tests/golden/make_golden.py
 
-train: $(READY)  ## train the estimators (REACHES=folder with the tables of near/far reaches; 6 min)
-	$(BIN)/python -m training $(REACHES)
-	$(BIN)/python -m training.movements $(REACHES)
+train: $(READY)  ## train the estimators (SHARED=folder of wispinski2021 and hands_at_work; 10 min)
+	$(BIN)/python -m training $(SHARED)
 
 estimators: $(READY)  ## write the tables of all estimators on all sets (REACHES=folder; half an hour)
 	$(BIN)/python docs/make_estimators.py $(REACHES)

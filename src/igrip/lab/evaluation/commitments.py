@@ -70,7 +70,9 @@ def first_commitments(
     """
     messages = list(messages)
     curve = [
-        find_leases(messages, config.model_copy(update={"reliability": reliability}))
+        find_leases(
+            messages, config.model_copy(update={"reliability": reliability, "max_wrong": None})
+        )
         for reliability in RELIABILITIES
     ]
     if bounds is None:

@@ -1,0 +1,122 @@
+"""The table by which choices are made: each source judged by what was learned from the others.
+
+Of the real reaches the people of one fold are left out, of the simulated ones a whole generator.
+``--write-risk`` also writes the thresholds of commitments that stand on every source left out. The
+sets of ``training/held_out.py`` and the other half of the hands at work are never learned from.
+
+Example: python -m training.leave_one_out shared-data --cache parts.pickle
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from igrip.commitment import CommitmentConfig
+from igrip.io.resampling import ImportOptions, resample
+from igrip.risk import FILE, default_risk
+from igrip.targets.learned.network import Scorer
+from training.__main__ import MEMORY, weighted
+from training.arms import simulate_arm
+from training.hands_at_work import hands_at_work
+from training.held_out import NAMES, held_out
+from training.learn import fit_scorer
+from training.moments import Recording, catalog
+from training.people import VALIDATION, real_recordings
+from training.risk import first_commitments, fit_risk, is_reach, write_risk
+from training.sources import PERSONS, SEED, Part, gather, near_far_fold, provenance
+from training.strangers import Answered, answer, false_commitments, reaches_row
+from training.worlds import simulate_person
+
+JUDGED = 60  # people of each generator that judge
+REAL = 3  # every third reach of the validation people judges
+
+
+def near_far(tables: Path) -> list[Recording]:
+    """Return reaches of the validation people as the evaluation replays them."""
+    recordings = []
+    for reach, seed in list(real_recordings(tables, 3, [VALIDATION]))[::REAL]:
+        options = ImportOptions(rate=30.0, noise=0.004, seed=seed)
+        recording = Recording(
+            reach.participant, str(reach.extra["distance"]), resample(reach, catalog(), options),
+            reach.hand, reach.target, -1e-9, float(reach.times[-1]), math.inf, 30.0,
+        )  # fmt: skip
+        recordings.append(recording)
+    return recordings
+
+
+def fit_without(parts: Mapping[str, Part], *left_out: str) -> Scorer:
+    """Return a scorer that has learned from all sources but some."""
+    kept = {name: part for name, part in parts.items() if name not in left_out}
+    return fit_scorer(weighted(kept), MEMORY, SEED)[0]
+
+
+def reaches(answered: Sequence[Answered], kind: str = "") -> list[Answered]:
+    """Return the reaches of a kind, of any kind by default."""
+    return [a for a in answered if is_reach(a.recording) and a.recording.kind.startswith(kind)]
+
+
+def main() -> None:
+    """Learn without each source, and print the table."""
+    parser = argparse.ArgumentParser(
+        prog="python -m training.leave_one_out", description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    parser.add_argument("shared", type=Path, help="folder of the sets")
+    parser.add_argument("--persons", type=int, default=PERSONS, help="people of each generator")
+    parser.add_argument("--cache", type=Path, help="file that keeps what was gathered")
+    parser.add_argument("--write-risk", action="store_true", help="write the thresholds")
+    asked = parser.parse_args()
+    parts = gather(asked.shared, asked.persons, cache=asked.cache)
+    persons = range(10_000, 10_000 + JUDGED)
+    sets = {
+        near_far_fold(VALIDATION): near_far(asked.shared / "wispinski2021"),
+        "worlds": [r for k in persons for r in simulate_person(SEED, k)],
+        "arms": [r for k in persons for r in simulate_arm(SEED, k)],
+    }
+    answered = {}
+    for name, recordings in sets.items():
+        scorer = fit_without(parts, name)
+        answered[name] = [answer(r, scorer) for r in recordings]
+        print(f"learned without {name}", flush=True)
+    risk = fit_risk([first_commitments(reaches(one)) for one in answered.values()])
+    for name, column in risk._asdict().items():
+        print(f"{name}: {column.tolist()}")
+    if asked.write_risk:
+        source = provenance(asked.shared, asked.persons)
+        write_risk(risk, source | {"left_out": list(sets)}, FILE)
+        default_risk.cache_clear()
+    everything = fit_without(parts)
+    for name in NAMES:
+        answered[name] = [answer(r, everything) for r in held_out(asked.shared, name)]
+    people = answered.pop(near_far_fold(VALIDATION))
+    answered |= {kind: reaches(people, kind) for kind in ("near", "far")}
+    default, careful = CommitmentConfig(), CommitmentConfig(max_wrong=0.05)
+    print("\n| left out | reaches | 40 % | 60 % | ECE | committed | right | part "
+          "| with max_wrong 0.05 |")  # fmt: skip
+    print(f"|{' --- |' * 9}")
+    for name, one in answered.items():
+        row = [
+            *reaches_row(reaches(one), default),
+            " / ".join(reaches_row(reaches(one), careful)[-3:]),
+        ]
+        print(f"| {' | '.join([name, *row])} |", flush=True)
+    work = list(hands_at_work(asked.shared / "hands_at_work", SEED, learned=False))
+    none_seen = fit_without(parts, "work")
+    idle = {
+        "hands at work, other sessions": [answer(r, everything) for r in work],
+        "hands at work, none learned from": [answer(r, none_seen) for r in work],
+    }
+    for name in ("worlds", "arms"):
+        idle[name] = [a for a in answered[name] if a.recording.target is None]
+    print("\n| without a reach | false commitments a minute | with max_wrong 0.05 |")
+    print(f"|{' --- |' * 3}")
+    for name, one in idle.items():
+        rates = [f"{false_commitments(one, config):.2f}" for config in (default, careful)]
+        print(f"| {name} | {' | '.join(rates)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
