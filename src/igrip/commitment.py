@@ -50,7 +50,7 @@ class CommitmentConfig(Settings):
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
     max_wrong: float | None = quantity(
-        None, "1", "accepted share of wrong commitments; without it, reliability sets the threshold",
+        None, "1", "accepted share of wrong commitments; by default reliability sets the threshold",
         "docs/commitment.md", gt=0, le=0.5,
     )  # fmt: skip
     reliability: float = quantity(
