@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from igrip.commitment import CommitmentConfig
@@ -53,6 +53,11 @@ def fit_without(parts: Mapping[str, Part], *left_out: str) -> Scorer:
     return fit_scorer(weighted(kept), MEMORY, SEED)[0]
 
 
+def judge(recordings: Iterable[Recording], scorer: Scorer) -> list[Answered]:
+    """Return what a scorer makes of recordings, without the frames: they fill the memory."""
+    return [answer(recording, scorer)._replace(frames=()) for recording in recordings]
+
+
 def reaches(answered: Sequence[Answered], kind: str = "") -> list[Answered]:
     """Return the reaches of a kind, of any kind by default."""
     return [a for a in answered if is_reach(a.recording) and a.recording.kind.startswith(kind)]
@@ -79,7 +84,7 @@ def main() -> None:
     answered = {}
     for name, recordings in sets.items():
         scorer = fit_without(parts, name)
-        answered[name] = [answer(r, scorer) for r in recordings]
+        answered[name] = judge(recordings, scorer)
         print(f"learned without {name}", flush=True)
     risk = fit_risk([first_commitments(reaches(one)) for one in answered.values()])
     for name, column in risk._asdict().items():
@@ -90,7 +95,7 @@ def main() -> None:
         default_risk.cache_clear()
     everything = fit_without(parts)
     for name in NAMES:
-        answered[name] = [answer(r, everything) for r in held_out(asked.shared, name)]
+        answered[name] = judge(held_out(asked.shared, name), everything)
     people = answered.pop(near_far_fold(VALIDATION))
     answered |= {kind: reaches(people, kind) for kind in ("near", "far")}
     default, careful = CommitmentConfig(), CommitmentConfig(max_wrong=0.05)
@@ -106,8 +111,8 @@ def main() -> None:
     work = list(hands_at_work(asked.shared / "hands_at_work", SEED, learned=False))
     none_seen = fit_without(parts, "work")
     idle = {
-        "hands at work, other sessions": [answer(r, everything) for r in work],
-        "hands at work, none learned from": [answer(r, none_seen) for r in work],
+        "hands at work, other sessions": judge(work, everything),
+        "hands at work, none learned from": judge(work, none_seen),
     }
     for name in ("worlds", "arms"):
         idle[name] = [a for a in answered[name] if a.recording.target is None]

@@ -3,8 +3,8 @@
 For each source, the scorer is learned from all others, and the first commitment of each of its
 reaches is found at every threshold. A threshold stands if the hypothesis that more than
 ``max_wrong`` of the first commitments are wrong can be rejected (binomial tail, at ``DELTA``) for
-it and for every higher one, on every source: fixed-sequence testing keeps the error of the whole
-search at ``DELTA`` for each source.
+it and for every higher one with enough commitments, on every source: fixed-sequence testing keeps
+the error of the whole search at ``DELTA`` for each source.
 """
 
 from __future__ import annotations
@@ -75,20 +75,27 @@ def first_commitments(answered: Iterable[Answered]) -> Commitments:
 
 
 def thresholds(sources: Sequence[Commitments], strange: bool) -> Array:
-    """Return the threshold for each of :data:`MAX_WRONG`, for strange or familiar movements."""
-    found = np.zeros(len(MAX_WRONG))
-    for source in sources:
-        for m, max_wrong in enumerate(MAX_WRONG):
-            lowest = THRESHOLDS[-1]
-            for k in range(len(THRESHOLDS) - 1, -1, -1):
-                chosen = ~np.isnan(source.wrong[:, k])
-                chosen &= (source.familiarity[:, k] < STRANGE) == strange
-                count, wrong = int(chosen.sum()), int(np.nansum(source.wrong[chosen, k]))
-                if count == 0 or binom.cdf(wrong, count, max_wrong) > DELTA:
-                    break
-                lowest = THRESHOLDS[k]
-            found[m] = max(found[m], lowest)
-    return found
+    """Return the threshold for each of :data:`MAX_WRONG`, for strange or familiar movements.
+
+    The sequence of tests begins at the highest threshold at which a source has enough commitments
+    to show anything. A source that never has enough asks for the highest threshold.
+    """
+    return np.array([max(_threshold(s, strange, m) for s in sources) for m in MAX_WRONG])
+
+
+def _threshold(source: Commitments, strange: bool, max_wrong: float) -> float:
+    """Return the lowest threshold that stands on one source."""
+    lowest = float(THRESHOLDS[-1])
+    for k in range(len(THRESHOLDS) - 1, -1, -1):
+        chosen = ~np.isnan(source.wrong[:, k])
+        chosen &= (source.familiarity[:, k] < STRANGE) == strange
+        count, wrong = int(chosen.sum()), int(np.nansum(source.wrong[chosen, k]))
+        if binom.cdf(0, count, max_wrong) > DELTA:
+            continue  # too few to show anything
+        if binom.cdf(wrong, count, max_wrong) > DELTA:
+            break
+        lowest = float(THRESHOLDS[k])
+    return lowest
 
 
 def fit_risk(sources: Sequence[Commitments]) -> RiskTable:

@@ -39,3 +39,11 @@ def test_strange_movements_are_calibrated_apart():
 
 def test_too_few_reaches_show_nothing():
     assert thresholds([source(5, [0.0] * 5)], strange=False)[0] == THRESHOLDS[-1]
+
+
+def test_rare_commitments_at_the_highest_thresholds_do_not_end_the_search():
+    """Nothing is certain enough for 0.99, where a test has nothing to count."""
+    wrong = np.zeros((400, len(THRESHOLDS)))
+    wrong[:, THRESHOLDS > 0.9] = np.nan
+    one = Commitments(wrong, np.ones_like(wrong), np.zeros_like(wrong))
+    assert thresholds([one], strange=False)[2] == THRESHOLDS[0]
