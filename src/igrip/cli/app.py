@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 from igrip.version import __version__
 
 
-class Command(NamedTuple):
+class CommandEntry(NamedTuple):
     """Where a command is implemented, and its line in ``igrip --help``."""
 
     target: str  # ``module:function`` within :mod:`igrip.cli`
@@ -19,42 +19,44 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "demo": Command(
+    "demo": CommandEntry(
         "demo:demo",
         "Watch igrip predict what a simulated person reaches for, and with which grip.",
     ),
-    "replay": Command("replay:replay", "Run estimators over recordings and summarise the answers."),
-    "evaluate": Command(
+    "replay": CommandEntry(
+        "replay:replay", "Run estimators over recordings and summarise the answers."
+    ),
+    "evaluate": CommandEntry(
         "evaluate:evaluate",
         "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.",
     ),
-    "simulate": Command(
+    "simulate": CommandEntry(
         "simulate:simulate",
         "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
     ),
-    "stream": Command(
+    "stream": CommandEntry(
         "stream:stream",
         "Receive observations from other programs and send them intentions, until Ctrl-C.",
     ),
-    "view": Command(
+    "view": CommandEntry(
         "view:view",
         "Look at a recording in the browser: play, pause, step, and go to any time.",
     ),
-    "live": Command(
+    "live": CommandEntry(
         "live:live",
         "Watch a camera and predict what each hand is about to grasp, and with which grip.",
     ),
-    "record": Command("record:record", "Record colour, depth and intrinsics of cameras."),
-    "calibrate": Command(
+    "record": CommandEntry("record:record", "Record colour, depth and intrinsics of cameras."),
+    "calibrate": CommandEntry(
         "calibrate:calibrate",
         "Find where cameras stand from a board of AprilTags that lies still where all of them "
         "see it.",
     ),
-    "import": Command("importing:import_tables", "Turn motion-capture tables into a dataset."),
-    "bench": Command("bench:bench", "Measure the speed of the estimator on this machine."),
-    "doctor": Command("doctor:doctor", "Show what is installed and whether the core works."),
-    "grips": Command("grips:grips", "Show from which height on each object is pinched."),
-    "schema": Command("schema:schema", "Print the JSON schema of a message."),
+    "import": CommandEntry("importing:import_tables", "Turn motion-capture tables into a dataset."),
+    "bench": CommandEntry("bench:bench", "Measure the speed of the estimator on this machine."),
+    "doctor": CommandEntry("doctor:doctor", "Show what is installed and whether the core works."),
+    "grips": CommandEntry("grips:grips", "Show from which height on each object is pinched."),
+    "schema": CommandEntry("schema:schema", "Print the JSON schema of a message."),
 }
 
 

@@ -21,7 +21,7 @@ BONES = (
     (11, 12), (9, 13), (13, 14), (14, 15), (15, 16), (13, 17), (17, 18), (18, 19), (19, 20),
     (0, 17),
 )  # fmt: skip
-PALM = (0, 5, 17)  # their mean is the palm centre (the paper's, SPEC)
+PALM = (0, 5, 17)  # their mean is the palm centre, as in the authors' code
 OTHER, OUTLINE, INK, PAPER = (120, 120, 120), (240, 200, 70), (255, 255, 255), (30, 30, 30)
 MIN_DEPTH = 0.05  # m; nearer objects have no outline
 
