@@ -6,8 +6,9 @@ import importlib
 from typing import Annotated, Any, NamedTuple
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
+from igrip.errors import IgripError
 from igrip.version import __version__
 
 
@@ -60,6 +61,23 @@ COMMANDS = {
 }
 
 
+RENAMED_OPTIONS = {
+    "live": {"--tell": "--out", "--apart": "--separate-hands", "--catalog": "--objects"},
+}
+
+
+class RenamingCommand(TyperCommand):
+    """A command that answers an option of earlier versions with its new name."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the arguments, unless one has an old name."""
+        for argument in args:
+            old = argument.partition("=")[0]
+            if new := RENAMED_OPTIONS.get(self.name or "", {}).get(old):
+                raise IgripError(f"{old} was renamed to {new}")
+        return super().parse_args(ctx, args)
+
+
 class LazyGroup(TyperGroup):
     """A group that lists its commands without importing them."""
 
@@ -77,7 +95,9 @@ class LazyGroup(TyperGroup):
             return None
         module, function = COMMANDS[cmd_name].target.split(":")
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
-        single.command(cmd_name)(getattr(importlib.import_module(f"igrip.cli.{module}"), function))
+        single.command(cmd_name, cls=RenamingCommand)(
+            getattr(importlib.import_module(f"igrip.cli.{module}"), function)
+        )
         return typer.main.get_command(single)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

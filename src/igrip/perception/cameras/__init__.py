@@ -11,7 +11,7 @@ from igrip.errors import CameraError
 from igrip.registry import Registry
 from igrip.rgbd import RgbdFrame
 
-__all__ = ["CAMERAS", "Camera", "CameraError", "open_camera", "split_names"]
+__all__ = ["CAMERAS", "Camera", "CameraError", "check_camera", "open_camera", "split_names"]
 
 
 class Camera(Protocol):
@@ -69,8 +69,8 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
     poses = None if calibration is None else read_placements(calibration)
     opened: list[Camera] = []
     try:
-        for one in split_names(name):
-            scheme = re.split("[:?]", one, maxsplit=1)[0]
+        for one in check_camera(name):
+            scheme = _scheme(one)
             opened.append(CAMERAS.get(scheme)(one[len(scheme) :].removeprefix(":")))
     except BaseException:
         for camera in opened:
@@ -78,6 +78,24 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
         raise
     camera = opened[0] if len(opened) == 1 else SeveralCameras(opened)
     return camera if poses is None else PlacedCamera(camera, poses)
+
+
+def check_camera(name: str) -> list[str]:
+    """Return the names that ``+`` joins, each of a kind of camera that exists; open none of them.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such kind of camera.
+    """
+    names = split_names(name)
+    for one in names:
+        CAMERAS.check(_scheme(one))
+    return names
+
+
+def _scheme(name: str) -> str:
+    return re.split("[:?]", name, maxsplit=1)[0]
 
 
 def split_names(name: str) -> list[str]:
