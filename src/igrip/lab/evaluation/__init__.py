@@ -1,4 +1,6 @@
-"""The paper's evaluation of any dataset. Which file does what, in the order of the data:
+"""The paper's evaluation of any dataset.
+
+The files, in the order of the data:
 
 - ``runner``: runs estimators over the recordings of a dataset, in several processes.
 - ``recorded_trial``: what one recording holds of its trial, without any estimator.
