@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -11,59 +11,35 @@ from typer.core import TyperCommand, TyperGroup
 from igrip.errors import IgripError
 from igrip.version import __version__
 
-
-class CommandEntry(NamedTuple):
-    """Where a command is implemented, and its line in ``igrip --help``."""
-
-    target: str  # ``module:function`` within :mod:`igrip.cli`
-    help: str  # the first line of the function's docstring; a test keeps the two equal
-
-
+# the first line of each docstring; a test keeps the two equal
 COMMANDS = {
-    "demo": CommandEntry(
-        "demo:demo",
-        "Watch igrip predict what a simulated person reaches for, and with which grip.",
-    ),
-    "replay": CommandEntry(
-        "replay:replay", "Run estimators over recordings and summarise the answers."
-    ),
-    "evaluate": CommandEntry(
-        "evaluate:evaluate",
-        "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.",
-    ),
-    "simulate": CommandEntry(
-        "simulate:simulate",
-        "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
-    ),
-    "stream": CommandEntry(
-        "stream:stream",
-        "Receive observations from other programs and send them intentions, until Ctrl-C.",
-    ),
-    "view": CommandEntry(
-        "view:view",
-        "Look at a recording in the browser: play, pause, step, and go to any time.",
-    ),
-    "live": CommandEntry(
-        "live:live",
-        "Watch a camera and predict what each hand is about to grasp, and with which grip.",
-    ),
-    "record": CommandEntry("record:record", "Record colour, depth and intrinsics of cameras."),
-    "calibrate": CommandEntry(
-        "calibrate:calibrate",
-        "Find where cameras stand from a board of AprilTags that lies still where all of them "
-        "see it.",
-    ),
-    "import": CommandEntry("importing:import_tables", "Turn motion-capture tables into a dataset."),
-    "bench": CommandEntry("bench:bench", "Measure the speed of the estimator on this machine."),
-    "doctor": CommandEntry("doctor:doctor", "Show what is installed and whether the core works."),
-    "grips": CommandEntry("grips:grips", "Show from which height on each object is pinched."),
-    "schema": CommandEntry("schema:schema", "Print the JSON schema of a message."),
-}
-
-
+    "demo": "Watch igrip predict what a simulated person reaches for, and with which grip.",
+    "replay": "Run estimators over recordings and summarise the answers.",
+    "evaluate": "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, "
+    "figures.",
+    "simulate": "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
+    "stream": "Receive observations from other programs and send them intentions, until Ctrl-C.",
+    "view": "Look at a recording in the browser: play, pause, step, and go to any time.",
+    "live": "Watch a camera and predict what each hand is about to grasp, and with which grip.",
+    "record": "Record colour, depth and intrinsics of cameras.",
+    "calibrate": "Find where cameras stand from a board of AprilTags that lies still where all of "
+    "them see it.",
+    "import": "Turn motion-capture tables into a dataset.",
+    "bench": "Measure the speed of the estimator on this machine.",
+    "doctor": "Show what is installed and whether the core works.",
+    "grips": "Show from which height on each object is pinched.",
+    "schema": "Print the JSON schema of a message.",
+}  # fmt: skip
+TARGETS = {"import": "importing:import_tables"}  # where it is not "NAME:NAME"
 RENAMED_OPTIONS = {
     "live": {"--tell": "--out", "--apart": "--separate-hands", "--catalog": "--objects"},
 }
+
+
+def target_of(name: str) -> tuple[str, str]:
+    """Return the module of a command and the function in it."""
+    module, function = TARGETS.get(name, f"{name}:{name}").split(":")
+    return f"igrip.cli.{module}", function
 
 
 class RenamingCommand(TyperCommand):
@@ -93,17 +69,16 @@ class LazyGroup(TyperGroup):
         """Import the module of one command and return the command; None if there is none."""
         if cmd_name not in COMMANDS:
             return None
-        module, function = COMMANDS[cmd_name].target.split(":")
+        module, function = target_of(cmd_name)
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
-        single.command(cmd_name, cls=RenamingCommand)(
-            getattr(importlib.import_module(f"igrip.cli.{module}"), function)
-        )
+        command = getattr(importlib.import_module(module), function)
+        single.command(cmd_name, cls=RenamingCommand)(command)
         return typer.main.get_command(single)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the table of commands from their short helps."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, command.help) for name, command in COMMANDS.items()])
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 app = typer.Typer(

@@ -22,7 +22,7 @@ from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
-from igrip.perception.cameras import Camera, check_camera, open_camera
+from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
 from igrip.perception.poses import POSES, parse_options
@@ -172,7 +172,7 @@ def _poses_and_objects(poses: str, objects: list[str]) -> tuple[str, list[str]]:
 
 def _check(camera: str, calibration: Path | None) -> int:
     """Return the number of cameras; refuse what would mix up places or times."""
-    names = check_camera(camera)
+    names = split_names(camera)
     if len(names) > 1 and calibration is None:
         raise IgripError(
             "several cameras need --calibration (igrip calibrate): without it each one has a world "

@@ -51,13 +51,9 @@ class ReachConfig(Settings):
     )
     rest_speed: float = quantity(0.04, "m/s", "a slower hand rests", "guess", gt=0)
     rest_speed_fraction: float = quantity(
-        0.10,
-        "1",
-        "a hand slower than this part of its peak speed rests",
-        "the authors' code",
-        ge=0,
-        lt=1,
-    )
+        0.10, "1", "a hand slower than this part of its peak speed rests", "the authors' code",
+        ge=0, lt=1,
+    )  # fmt: skip
     rest_noise_factor: float = quantity(
         1.5, "1", "so does one slower than this many standard deviations of a measurement over "
         "end_time_constant", "guess", ge=0,

@@ -57,7 +57,7 @@ class Fault:
 
 
 @dataclass
-class FaultEpisode:
+class Episode:
     """One episode of a fault, with what is drawn once for all of it."""
 
     random: np.random.Generator
@@ -106,7 +106,7 @@ def _next(ids: Iterable[str]) -> Iterator[tuple[str, str]]:
     return zip(ordered, ordered[1:] + ordered[:1], strict=True)
 
 
-def _jump(message: Observation, episode: FaultEpisode) -> Observation:
+def _jump(message: Observation, episode: Episode) -> Observation:
     def away(id: str, hand: Hand) -> list[float]:
         step = episode.once(id, lambda: episode.random.uniform(-1.0, 1.0, 3))
         return (np.array(hand.position) + step).tolist()  # type: ignore[no-any-return]
@@ -114,7 +114,7 @@ def _jump(message: Observation, episode: FaultEpisode) -> Observation:
     return _move_hands(message, away)
 
 
-def _wrong(message: Observation, episode: FaultEpisode) -> Observation:
+def _wrong(message: Observation, episode: Episode) -> Observation:
     poses = {id: pose for id, pose in message.objects.items() if pose is not None}
     moved = {
         id: msgspec.structs.replace(
@@ -125,7 +125,7 @@ def _wrong(message: Observation, episode: FaultEpisode) -> Observation:
     return _with(message, objects={**message.objects, **moved})
 
 
-Change = Callable[[Observation, FaultEpisode], Observation | None]
+Change = Callable[[Observation, Episode], Observation | None]
 KINDS: dict[str, Change] = {
     # nothing comes but ticks
     "drop": lambda message, episode: None,
@@ -157,7 +157,7 @@ KINDS: dict[str, Change] = {
     "delay": lambda message, episode: _shift_times(message, 0.0),
     "reorder": lambda message, episode: _shift_times(message, 0.0),
 }
-DELAYS: dict[str, Callable[[FaultEpisode], float]] = {  # by how much messages are held back [s]
+DELAYS: dict[str, Callable[[Episode], float]] = {  # by how much messages are held back [s]
     "delay": lambda episode: float(
         episode.once("delay", lambda: episode.random.uniform(0.05, 0.6))
     ),
@@ -176,14 +176,14 @@ def inject(
     Times never decrease, and every message is well formed: what is wrong is what they say.
     ``counts`` is increased by how many episodes of each kind began.
     """
-    episodes = [FaultEpisode(np.random.default_rng([seed, k])) for k in range(len(faults))]
+    episodes = [Episode(np.random.default_rng([seed, k])) for k in range(len(faults))]
     held: list[tuple[float, int, Observation]] = []
     last, ticked = -math.inf, -math.inf
     for number, message in enumerate(source):
         for k, (fault, episode) in enumerate(zip(faults, episodes, strict=True)):
             if message.t > episode.until and _begins(fault, message.t, last, episode.random):
                 begin = message.t if math.isnan(fault.at) else fault.at
-                episodes[k] = FaultEpisode(episode.random, until=begin + fault.lasts)
+                episodes[k] = Episode(episode.random, until=begin + fault.lasts)
                 if counts is not None:
                     counts[fault.kind] += 1
         last = message.t

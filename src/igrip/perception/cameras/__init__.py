@@ -11,7 +11,7 @@ from igrip.errors import CameraError
 from igrip.registry import Registry
 from igrip.rgbd import RgbdFrame
 
-__all__ = ["CAMERAS", "Camera", "CameraError", "check_camera", "open_camera", "split_names"]
+__all__ = ["CAMERAS", "Camera", "CameraError", "open_camera", "split_names"]
 
 
 class Camera(Protocol):
@@ -69,7 +69,7 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
     poses = None if calibration is None else read_placements(calibration)
     opened: list[Camera] = []
     try:
-        for one in check_camera(name):
+        for one in split_names(name):
             scheme = _scheme(one)
             opened.append(CAMERAS.get(scheme)(one[len(scheme) :].removeprefix(":")))
     except BaseException:
@@ -80,15 +80,16 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
     return camera if poses is None else PlacedCamera(camera, poses)
 
 
-def check_camera(name: str) -> list[str]:
-    """Return the names that ``+`` joins, each of a kind of camera that exists; open none of them.
+def split_names(name: str) -> list[str]:
+    """Return the names that ``+`` joins; a plus within a file's name is none of these.
 
     Raises
     ------
     UnknownNameError
-        If there is no such kind of camera.
+        If one of them is of no kind of camera that exists. None is opened.
     """
-    names = split_names(name)
+    schemes = "|".join(map(re.escape, CAMERAS.names()))
+    names = re.split(rf"\+(?=(?:{schemes})(?:[:?+]|$))", name)
     for one in names:
         CAMERAS.check(_scheme(one))
     return names
@@ -96,9 +97,3 @@ def check_camera(name: str) -> list[str]:
 
 def _scheme(name: str) -> str:
     return re.split("[:?]", name, maxsplit=1)[0]
-
-
-def split_names(name: str) -> list[str]:
-    """Return the names that ``+`` joins; a plus within a file's name is none of these."""
-    schemes = "|".join(map(re.escape, CAMERAS.names()))
-    return re.split(rf"\+(?=(?:{schemes})(?:[:?+]|$))", name)
