@@ -6,8 +6,9 @@ import subprocess
 import sys
 
 import pytest
+import typer
 
-from igrip.cli.app import COMMANDS, target_of
+from igrip.cli.app import COMMANDS, RENAMED_OPTIONS, app, target_of
 
 HEAVY = {"numpy", "scipy", "numba", "trimesh", "pydantic", "msgspec", "rich"}
 FAMILIES = {
@@ -91,3 +92,12 @@ def test_listing_the_names_of_a_family_imports_no_member(package: str) -> None:
     names, modules = json.loads(done.stdout)
     assert names
     assert not {f"{package}.{name}" for name in names} & set(modules)
+
+
+@pytest.mark.parametrize("command", RENAMED_OPTIONS)
+def test_a_renamed_option_is_gone_and_its_new_name_exists(command: str) -> None:
+    group = typer.main.get_command(app)
+    options = {o for p in group.get_command(None, command).params for o in p.opts}
+    for old, new in RENAMED_OPTIONS[command].items():
+        assert old not in options
+        assert new in options
