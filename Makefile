@@ -4,6 +4,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
+# the near/far reaches of Wispinski et al. (2021): docs/importing.md says where they come from
 REACHES ?= ../shared/data/wispinski2021
 
 .PHONY: help demo test test-slow test-busy coverage lint types contract unit hooks dist lines \

@@ -23,7 +23,7 @@ from igrip.runtime.options import Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.protocol import MAX_SIZE
 from igrip.runtime.websocket import MAX_BEHIND, TRY_LATER, _Client
-from mutate import garbled
+from random_damage import garbled
 from runtime_fakes import PATIENCE, Clock, until
 from support import BOX, UPRIGHT
 

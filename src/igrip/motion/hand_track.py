@@ -82,7 +82,7 @@ class HandTrack:
             return self._rejection
         if self._stale:
             if math.isnan(self.gate.newest):
-                return "never measured in a way that could be believed"
+                return "no trusted measurement yet"
             return f"not measured for {now - self.gate.newest:.2f} s"
         if self.motion is None:
             return f"{len(self.trajectory)} samples do not determine a prediction yet"

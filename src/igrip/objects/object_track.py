@@ -74,8 +74,8 @@ class ObjectTrack:
         if self._no_model is not None:
             return self._no_model
         if not self._filter.begun:
-            return self._rejection or "not seen yet"
-        return self._rejection or "not seen for too long" if self._stale else None
+            return self._rejection or "not detected yet"
+        return self._rejection or "not detected for too long" if self._stale else None
 
     @property
     def fault(self) -> str | None:
