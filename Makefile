@@ -6,6 +6,8 @@ READY := .venv/.ready
 
 # the near/far reaches of Wispinski et al. (2021): docs/importing.md says where they come from
 REACHES ?= ../shared/data/wispinski2021
+# the folder that holds them and the hands at work, for training
+SHARED ?= ../shared/data
 
 .PHONY: help demo test test-slow test-busy coverage lint types contract unit hooks dist lines \
 	schemas system clean bench pictures report golden train estimators
