@@ -1,8 +1,7 @@
 """The table by which choices are made: each source judged by what was learned from the others.
 
 Of the real reaches the people of one fold are left out, of the simulated ones a whole generator.
-``--write-risk`` also writes the thresholds of commitments that stand on every source left out. The
-sets of ``training/held_out.py`` and the other half of the hands at work are never learned from.
+The sets of ``training/held_out.py`` and the other half of the hands at work are never learned from.
 
 Example: python -m training.leave_one_out shared-data --cache parts.pickle
 """
@@ -16,7 +15,6 @@ from pathlib import Path
 
 from igrip.commitment import CommitmentConfig
 from igrip.io.resampling import ImportOptions, resample
-from igrip.risk import FILE, default_risk
 from igrip.targets.learned.network import Scorer
 from training.__main__ import MEMORY, weighted
 from training.arms import simulate_arm
@@ -25,8 +23,7 @@ from training.held_out import NAMES, held_out
 from training.learn import fit_scorer
 from training.moments import Recording, catalog
 from training.people import VALIDATION, real_recordings
-from training.risk import first_commitments, fit_risk, is_reach, write_risk
-from training.sources import PERSONS, SEED, Part, gather, near_far_fold, provenance
+from training.sources import PERSONS, SEED, Part, gather, near_far_fold
 from training.strangers import Answered, answer, false_commitments, reaches_row
 from training.worlds import simulate_person
 
@@ -60,7 +57,12 @@ def judge(recordings: Iterable[Recording], scorer: Scorer) -> list[Answered]:
 
 def reaches(answered: Sequence[Answered], kind: str = "") -> list[Answered]:
     """Return the reaches of a kind, of any kind by default."""
-    return [a for a in answered if is_reach(a.recording) and a.recording.kind.startswith(kind)]
+    return [a for a in answered if _is_reach(a.recording) and a.recording.kind.startswith(kind)]
+
+
+def _is_reach(recording: Recording) -> bool:
+    found = recording.target is not None and not recording.absent
+    return found and math.isfinite(recording.end)
 
 
 def main() -> None:
@@ -72,7 +74,6 @@ def main() -> None:
     parser.add_argument("shared", type=Path, help="folder of the sets")
     parser.add_argument("--persons", type=int, default=PERSONS, help="people of each generator")
     parser.add_argument("--cache", type=Path, help="file that keeps what was gathered")
-    parser.add_argument("--write-risk", action="store_true", help="write the thresholds")
     asked = parser.parse_args()
     parts = gather(asked.shared, asked.persons, cache=asked.cache)
     persons = range(10_000, 10_000 + JUDGED)
@@ -86,27 +87,16 @@ def main() -> None:
         scorer = fit_without(parts, name)
         answered[name] = judge(recordings, scorer)
         print(f"learned without {name}", flush=True)
-    risk = fit_risk([first_commitments(reaches(one)) for one in answered.values()])
-    for name, column in risk._asdict().items():
-        print(f"{name}: {column.tolist()}")
-    if asked.write_risk:
-        source = provenance(asked.shared, asked.persons)
-        write_risk(risk, source | {"left_out": list(sets)}, FILE)
-        default_risk.cache_clear()
     everything = fit_without(parts)
     for name in NAMES:
         answered[name] = judge(held_out(asked.shared, name), everything)
     people = answered.pop(near_far_fold(VALIDATION))
     answered |= {kind: reaches(people, kind) for kind in ("near", "far")}
-    default, careful = CommitmentConfig(), CommitmentConfig(max_wrong=0.05)
-    print("\n| left out | reaches | 40 % | 60 % | ECE | committed | right | part "
-          "| with max_wrong 0.05 |")  # fmt: skip
-    print(f"|{' --- |' * 9}")
+    default = CommitmentConfig()
+    print("\n| left out | reaches | 40 % | 60 % | ECE | committed | right | mean part |")
+    print(f"|{' --- |' * 8}")
     for name, one in answered.items():
-        row = [
-            *reaches_row(reaches(one), default),
-            " / ".join(reaches_row(reaches(one), careful)[-3:]),
-        ]
+        row = reaches_row(reaches(one), default)
         print(f"| {' | '.join([name, *row])} |", flush=True)
     work = list(hands_at_work(asked.shared / "hands_at_work", SEED, learned=False))
     none_seen = fit_without(parts, "work")
@@ -116,11 +106,10 @@ def main() -> None:
     }
     for name in ("worlds", "arms"):
         idle[name] = [a for a in answered[name] if a.recording.target is None]
-    print("\n| without a reach | false commitments a minute | with max_wrong 0.05 |")
-    print(f"|{' --- |' * 3}")
+    print("\n| without a reach | false commitments a minute |")
+    print(f"|{' --- |' * 2}")
     for name, one in idle.items():
-        rates = [f"{false_commitments(one, config):.2f}" for config in (default, careful)]
-        print(f"| {name} | {' | '.join(rates)} |", flush=True)
+        print(f"| {name} | {false_commitments(one, default):.2f} |", flush=True)
 
 
 if __name__ == "__main__":

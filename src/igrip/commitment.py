@@ -22,7 +22,6 @@ from typing import Literal
 from igrip.entities import Vector
 from igrip.evidence import Evidence
 from igrip.intention import Commitment
-from igrip.risk import default_risk
 from igrip.settings import Settings, quantity
 
 __all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
@@ -41,18 +40,10 @@ class CommitmentConfig(Settings):
         Ids of the hands that a device assists; ``("*",)``: every hand. No other ever commits.
     needs_confirmation : bool
         Whether each reach must be confirmed from outside (a switch, a muscle) to be acted on.
-    max_wrong : float or None
-        Accepted share of wrong commitments. It replaces the threshold of ``reliability`` by one
-        that was tested on sources of reaches not learned from (:mod:`igrip.risk`); the dwell stays.
-        It needs an estimator that gives the familiarity of a movement.
     """
 
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
-    max_wrong: float | None = quantity(
-        None, "1", "accepted share of wrong commitments; by default reliability sets the threshold",
-        "docs/commitment.md", gt=0, le=0.5,
-    )  # fmt: skip
     reliability: float = quantity(
         0.6, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
@@ -114,8 +105,6 @@ class CommitmentConfig(Settings):
         """
         if familiarity is None:
             return self.threshold
-        if self.max_wrong is not None:
-            return default_risk().threshold(self.max_wrong, familiarity)
         strangeness = 1.0 - min(1.0, familiarity / self.full_familiarity)
         raised = min(self.threshold + self.strange_margin * strangeness, MAX_RAISED)
         return max(self.threshold, raised)

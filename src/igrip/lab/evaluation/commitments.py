@@ -70,9 +70,7 @@ def first_commitments(
     """
     messages = list(messages)
     curve = [
-        find_leases(
-            messages, config.model_copy(update={"reliability": reliability, "max_wrong": None})
-        )
+        find_leases(messages, config.model_copy(update={"reliability": reliability}))
         for reliability in RELIABILITIES
     ]
     if bounds is None:
