@@ -1,4 +1,4 @@
-"""Numbers that stand for "not there": 0 0 0 in a run, −9999 and its like."""
+"""Numbers that stand for "not there": 0 0 0 far from everything else, −9999 and its like."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+MAX_STEP_RATIO = 5.0  # of a jump to 0 0 0 to the larger steps of a movement, at least
 
 
 def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArray[np.bool_]:
     """Return which positions (n, 3) stand for "not there", in the source's own numbers.
 
-    These are rows that are not finite; 0 0 0 for two samples or more, or away from its neighbours;
-    and −9999 and its like: four nines or more in any component, or three in all.
+    These are rows that are not finite; −9999 and its like (four nines or more in any component, or
+    three in all); and 0 0 0 where the positions before or after are farther away than any step.
 
     Parameters
     ----------
@@ -26,14 +27,19 @@ def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArra
     rows = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     markers = np.fromiter((_is_marker(row) for row in rows.tolist()), bool, len(rows))
     missing: NDArray[np.bool_] = np.logical_or(~np.isfinite(rows).all(axis=1), markers)
-    zero = (rows == 0.0).all(axis=1)
-    if zero.any() and not (may_rest_at_zero and zero[~missing].all()):
-        near = np.zeros(len(rows), dtype=np.bool_)
-        near[1:] |= zero[:-1]
-        near[:-1] |= zero[1:]
-        moving = rows[~missing & ~zero]
-        far = len(moving) > 0 and _is_far(rows, zero, moving)
-        missing |= zero & (near | far)
+    zero = (rows == 0.0).all(axis=1) & ~missing
+    real = np.flatnonzero(~missing & ~zero)
+    if not len(real):
+        return missing if may_rest_at_zero else missing | zero
+    if zero.any():
+        together = real[:-1][np.diff(real) == 1]
+        steps = np.linalg.norm(rows[together + 1] - rows[together], axis=1)
+        bound = MAX_STEP_RATIO * float(np.percentile(steps, 99.0)) if len(steps) else 0.0
+        away = np.linalg.norm(rows, axis=1) > bound
+        at = np.flatnonzero(zero)
+        after = np.searchsorted(real, at)
+        before, later = real[np.maximum(after - 1, 0)], real[np.minimum(after, len(real) - 1)]
+        missing[at] = (away[before] & (after > 0)) | (away[later] & (after < len(real)))
     return missing
 
 
@@ -56,10 +62,3 @@ def _nines(value: float) -> int:
         return 9
     digits = f"{size:.10g}".replace(".", "")
     return len(digits) if not digits.strip("9") else 0
-
-
-def _is_far(rows: Array, zero: NDArray[np.bool_], moving: Array) -> bool:
-    """Return whether a lone 0 0 0 is farther from the rest than the rest spans."""
-    low, high = moving.min(axis=0), moving.max(axis=0)
-    outside = np.maximum(np.maximum(low, -high), 0.0)
-    return bool(np.linalg.norm(outside) > np.linalg.norm(high - low))

@@ -46,11 +46,15 @@ class Finding(NamedTuple):
         ``interval``, ``length``, ``extent``, ``speed``, ``size``, ``missing``, ``repeats``, ``up``.
     text : str
         For the user; it names the unit or frame that would fit.
+    fix : 2 str, optional
+        The argument of :meth:`igrip.io.frames.DeclaredFrame.declare` that would mend it, and its
+        value.
     """
 
     verdict: Literal["refuse", "remark"]
     kind: str
     text: str
+    fix: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,12 @@ class Samples:
     times: Array
     positions: Array
     orientations: Array | None = None
+
+
+def options_that_fix(findings: Iterable[Finding]) -> str:
+    """Return the options of a command line that would mend findings, such as ``--up y``."""
+    fixes = dict(finding.fix for finding in findings if finding.fix is not None)
+    return " ".join(f"--{word.replace('_', '-')} {value}" for word, value in fixes.items())
 
 
 def refusal(findings: Iterable[Finding]) -> str | None:
@@ -114,7 +124,8 @@ def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
     text = f"steps of {_number(step)} s" + _question("are these", fits)
     if not fits and step > SLOW_INTERVAL:
         text += ": igrip follows motion from about 10 samples a second on"
-    return [Finding("refuse" if refused else "remark", "interval", text)]
+    verdict: Literal["refuse", "remark"] = "refuse" if refused else "remark"
+    return [Finding(verdict, "interval", text, _fix("time_unit", fits))]
 
 
 def check_length(times: ArrayLike, rate: float) -> list[Finding]:
@@ -139,10 +150,11 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
 
     ``unit`` is that of the source, which they were converted from.
     """
-    findings, everything = [], []
+    findings: list[Finding] = []
+    everything = []
     for id, given in positions.items():
         points = _finite_rows(given)
-        if not len(points):
+        if len(points) < MIN_SAMPLES:
             continue
         everything.append(points)
         # the bulk of it: a few stray points are no matter of the unit
@@ -154,16 +166,16 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
             continue
         fits = _fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
         text = f"{id} {words} {_number(size)} m{'' if size is span else ' from the origin'}"
-        findings.append(Finding("refuse", "extent", text + _question("are its positions in", fits)))
+        text += _question("are its positions in", fits)
+        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
     if findings or not everything:
         return findings
     points = np.concatenate(everything)
     span = float(np.max(np.ptp(points, axis=0)))
-    several = len(everything) > 1 and len(points) >= MIN_SAMPLES
-    if several and 0.0 < span < MIN_EXTENT:
+    if len(everything) > 1 and 0.0 < span < MIN_EXTENT:
         fits = _fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
         text = f"the whole scene spans {_number(span)} m" + _question("are positions in", fits)
-        findings.append(Finding("refuse", "extent", text))
+        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
     return findings
 
 
@@ -176,7 +188,7 @@ def check_sizes(extents: Mapping[str, ArrayLike], unit: str = "m") -> list[Findi
             continue
         fits = _fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
         text = f"{name} is {_number(size)} m long" + _question("is it in", fits)
-        findings.append(Finding("refuse", "size", text))
+        findings.append(Finding("refuse", "size", text, _fix("length_unit", fits)))
     return findings
 
 
@@ -197,18 +209,18 @@ def check_up(
         up = np.array(axes)
         if (up[:, 2] < -ALIGNED).all():
             text = "every object hangs upside down: does z point down (up = -z)?"
-            return [Finding("remark", "up", text)]
+            return [Finding("remark", "up", text, ("up", "-z"))]
         for column, name in ((1, "y"), (0, "x")):
             for sign, word in ((1.0, name), (-1.0, f"-{name}")):
                 if (sign * up[:, column] > ALIGNED).all():
                     text = f"every object lies, with its top along {word}: is up = {word}?"
-                    return [Finding("remark", "up", text)]
+                    return [Finding("remark", "up", text, ("up", word))]
     places = [np.median(rows, axis=0) for p in positions.values() if len(rows := _finite_rows(p))]
     if len(places) > 1 and not (axes and (np.array(axes)[:, 2] > ALIGNED).any()):
         spread = np.ptp(np.array(places), axis=0)
         if spread[1] < 0.01 and spread[2] > 0.05 and spread[0] > 0.01:
             text = "all objects are at one y and at different z: is y up (up = y)?"
-            return [Finding("remark", "up", text)]
+            return [Finding("remark", "up", text, ("up", "y"))]
     return []
 
 
@@ -265,6 +277,10 @@ def _fitting_units(
     fits = {name: x for name, x in fits.items() if bounds[0] <= x <= bounds[1]}
     common = {name: x for name, x in fits.items() if name not in ("dm", "in")} or fits
     return sorted(common, key=lambda name: abs(math.log(common[name] / usual)))
+
+
+def _fix(word: str, units: list[str]) -> tuple[str, str] | None:
+    return (word, units[0]) if units else None
 
 
 def _question(verb: str, units: list[str]) -> str:
