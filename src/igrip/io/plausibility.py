@@ -87,6 +87,7 @@ def refusal(findings: Iterable[Finding]) -> str | None:
     return "; ".join(f.text for f in findings if f.verdict == "refuse") or None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # whatever the numbers are, they are judged
 def check_samples(
     hands: Mapping[str, Samples],
     objects: Mapping[str, Samples],
