@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +11,7 @@ import numpy as np
 from igrip.compiled import cache_directory
 from igrip.errors import ObjectsError, UnknownModelError
 from igrip.mesh.bvh import Bvh
+from igrip.objects.array_cache import read_arrays, sources_digest, write_arrays
 from igrip.objects.mesh_files import (
     MeshFile,
     Primitive,
@@ -149,7 +147,7 @@ def _load(mesh: MeshFile | Primitive) -> ObjectModel:
         digest = mesh.digest()
     except OSError as error:
         raise ObjectsError(f"{mesh.name}: cannot be read: {error}") from error
-    path = cache_directory() / "models" / f"{_builder_digest()}-{digest[:32]}.npz"
+    path = cache_directory() / "models" / f"{sources_digest(_CACHED_BY)[:8]}-{digest[:32]}.npz"
     cached = _read_cache(path, mesh)
     if cached is not None:
         return cached
@@ -163,24 +161,21 @@ def _load(mesh: MeshFile | Primitive) -> ObjectModel:
     return model
 
 
-def _builder_digest() -> str:
-    here = Path(__file__).parent.parent
-    return hashlib.sha256(b"".join((here / f).read_bytes() for f in _CACHED_BY)).hexdigest()[:8]
-
-
 _TREES = ("bvh", "vertex_tree")
 _SCALARS = ("length", "radius")
 _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "inscribed_spheres")
 
 
 def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:
+    stored = read_arrays(path)
+    if stored is None:
+        return None
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
-            fields.update({name: float(stored[name]) for name in _SCALARS})
-            for tree in _TREES:
-                fields[tree] = Bvh(*(stored[f"{tree}_{name}"] for name in Bvh._fields))
-    except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
+        fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
+        fields.update({name: float(stored[name]) for name in _SCALARS})
+        for tree in _TREES:
+            fields[tree] = Bvh(*(stored[f"{tree}_{name}"] for name in Bvh._fields))
+    except (KeyError, TypeError):
         return None  # it is built again
     return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, **fields)
 
@@ -190,11 +185,4 @@ def _write_cache(path: Path, model: ObjectModel) -> None:
     for tree in _TREES:
         parts = getattr(model, tree)._asdict()
         arrays.update({f"{tree}_{name}": array for name, array in parts.items()})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **arrays)
-        os.replace(temporary, path)  # whole or not at all
-    except OSError:
-        return  # a cache that cannot be written is only slow
+    write_arrays(path, arrays)
