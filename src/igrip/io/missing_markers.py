@@ -1,4 +1,4 @@
-"""Numbers that stand for "not there": 0 0 0 far from everything else, −9999 and its like."""
+"""Numbers that stand for "not there": 0 0 0 away from the rest, −9999 and its like."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
 MAX_STEP_RATIO = 5.0  # of a jump to 0 0 0 to the larger steps of a movement, at least
 
 
