@@ -6,9 +6,10 @@ import pytest
 
 from igrip import load_objects
 from igrip.errors import DatasetError
-from igrip.io.column_map import ColumnMapImporter, read_column_map
+from igrip.io.column_map import read_column_map
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import ImportFiles
+from igrip.io.mapped_import import ColumnMapImporter
 from igrip.io.recordings.jsonl import JsonlReader
 from igrip.io.resampling import ImportOptions
 

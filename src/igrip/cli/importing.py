@@ -11,7 +11,8 @@ import typer
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, progress, warn
 from igrip.errors import DatasetError
-from igrip.io.column_map import ColumnMapImporter, read_column_map
+from igrip.io.column_map import read_column_map
+from igrip.io.mapped_import import ColumnMapImporter
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import Importer, ImportFiles, ReachReader, find_importer
 from igrip.io.resampling import ImportOptions

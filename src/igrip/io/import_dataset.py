@@ -72,7 +72,11 @@ def import_dataset(
 
 
 def _trial(reach: RecordedReach, onset: float) -> Trial:
-    end = onset + float(reach.times[-1])
+    if reach.movement_only:
+        begin: float | None = round(onset, 6)
+        end: float | None = round(onset + float(reach.times[-1]), 6)
+    else:
+        begin, end = reach.onset_s, reach.end_s
     return Trial(
         recording=reach.name,
         participant=reach.participant,
@@ -81,7 +85,7 @@ def _trial(reach: RecordedReach, onset: float) -> Trial:
         target=reach.target,
         grip=reach.grip,
         movement=reach.movement,
-        onset_s=round(onset, 6) if reach.movement_only else None,
-        end_s=round(end, 6) if reach.movement_only else None,
+        onset_s=begin,
+        end_s=end,
         extra=reach.extra,
     )

@@ -6,12 +6,19 @@ import zlib
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
 
 from igrip.entities import ObjectPose
-from igrip.io.importers import Array, RecordedReach
+from igrip.errors import DatasetError
+from igrip.io.importers import Array, MovingObject, RecordedReach
+from igrip.io.takes.take import MAX_INTERVAL_FACTOR, Track
 from igrip.objects.catalog import Catalog
+from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
 from igrip.settings import Settings, quantity
+
+MAX_UPSAMPLING = 100.0  # observations of the dataset for each sample of the recording
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 class ImportOptions(Settings):
@@ -25,18 +32,27 @@ class ImportOptions(Settings):
 
 
 def resample(reach: RecordedReach, catalog: Catalog, options: ImportOptions) -> list[Observation]:
-    """Return one reach as observations at an even rate; the first also holds the objects.
+    """Return one reach as observations at an even rate; the first also holds objects at rest.
 
-    Each mesh stands upright as in its file, with the middle of its cylinder at the object's
-    position.
+    A mesh without a tracked pose stands upright as in its file, with the middle of its cylinder at
+    the object's position.
+
+    Raises
+    ------
+    DatasetError
+        If the recording is much longer than its samples can tell: its unit of time is wrong.
     """
     rest = round(options.rest * options.rate) if reach.movement_only else 0
-    moving = int(np.floor(reach.times[-1] * options.rate + 1e-6)) + 1
+    length = reach.seconds * options.rate
+    if not length <= MAX_UPSAMPLING * len(reach.times) + 1000:
+        raise DatasetError(
+            f"{reach.name}: its {len(reach.times)} samples last {reach.seconds:.4g} s, which would "
+            f"be {length:.3g} observations at {options.rate:g} Hz; is the unit of time right?"
+        )
+    moving = int(np.floor(length + 1e-6)) + 1
     since_onset = np.arange(-rest, moving) / options.rate
-    points = np.stack(
-        [np.interp(since_onset, reach.times, reach.positions[:, axis]) for axis in range(3)], axis=1
-    )
-    in_gap = _in_gap(since_onset, reach.times)
+    points = _interpolated(since_onset, reach.times, reach.positions)
+    in_gap = _in_gap(since_onset, reach.times, reach.movement_only)
     # seeded by the name, so that a reach is the same whichever others are imported
     random = np.random.default_rng([options.seed, zlib.crc32(reach.name.encode())])
     points += random.normal(0.0, 1.0, points.shape) * options.noise
@@ -46,25 +62,79 @@ def resample(reach: RecordedReach, catalog: Catalog, options: ImportOptions) -> 
         objects[id] = ObjectPose(
             model=model.name,
             position=tuple((position - model.origin).tolist()),
-            orientation=(0.0, 0.0, 0.0, 1.0),
+            orientation=UPRIGHT,
             static=True,
         )
+    interval = float(np.median(np.diff(reach.times)))
+    tracked = {
+        id: _poses(since_onset, moved, catalog[reach.models.get(id, options.mesh)], interval)
+        for id, moved in reach.moving_objects.items()
+    }
+    others = {
+        id: _points(since_onset, track, interval, random, options.noise)
+        for id, track in reach.other_hands.items()
+    }
     return [
         Observation(
             t=k / options.rate,
-            hands={reach.hand: None if in_gap[k] else {"position": point}},
-            objects=objects if k == 0 else {},
+            hands={reach.hand: None if in_gap[k] else {"position": point}}
+            | {id: track[k] for id, track in others.items()},
+            objects=(objects if k == 0 else {}) | {id: poses[k] for id, poses in tracked.items()},
         )
         for k, point in enumerate(points.tolist())
     ]
 
 
-def _in_gap(times: Array, samples: Array) -> NDArray[np.bool_]:
+def _interpolated(times: Array, samples: Array, values: Array) -> Array:
+    return np.stack([np.interp(times, samples, values[:, axis]) for axis in range(3)], axis=1)
+
+
+def _in_gap(times: Array, samples: Array, rest_before: bool) -> NDArray[np.bool_]:
     """Return which times lie in gaps: no sample within 1.5 of the median interval.
 
-    Interpolation over a gap would show an estimator where the hand is going to reappear.
+    Interpolation over a gap would show an estimator where the hand is going to reappear. The rest
+    before the first sample is no gap.
     """
     after = np.clip(np.searchsorted(samples, times), 1, len(samples) - 1)
     distance = np.minimum(np.abs(times - samples[after - 1]), np.abs(samples[after] - times))
-    gap: NDArray[np.bool_] = (distance > 1.5 * np.median(np.diff(samples))) & (times > samples[0])
-    return gap
+    gap: NDArray[np.bool_] = distance > MAX_INTERVAL_FACTOR * np.median(np.diff(samples))
+    return gap & (times > samples[0]) if rest_before else gap
+
+
+def _points(
+    times: Array, track: Track, interval: float, random: np.random.Generator, noise: float
+) -> list[dict[str, list[float]] | None]:
+    """Return the positions of a further hand, None where it was lost."""
+    if not len(track.times):
+        return [None] * len(times)
+    points = _interpolated(times, track.times, track.positions)
+    points += random.normal(0.0, 1.0, points.shape) * noise
+    gap = track.in_gap(times, interval)
+    return [
+        None if lost else {"position": point}
+        for lost, point in zip(gap, points.tolist(), strict=True)
+    ]
+
+
+def _poses(
+    times: Array, moved: MovingObject, model: ObjectModel, interval: float
+) -> list[ObjectPose | None]:
+    """Return the poses of a tracked object's mesh, None where it was lost."""
+    track = moved.track
+    if not len(track.times):
+        return [None] * len(times)
+    points = _interpolated(times, track.times, track.positions)
+    turns = np.tile(UPRIGHT, (len(times), 1))
+    if track.orientations is not None:
+        turns = np.tile(track.orientations[0], (len(times), 1))
+        if len(track.times) > 1:
+            within = np.clip(times, track.times[0], track.times[-1])
+            turns = Slerp(track.times, Rotation.from_quat(track.orientations))(within).as_quat()
+    if moved.pivot == "middle":
+        points = points - Rotation.from_quat(turns).apply(model.origin)
+    gap = track.in_gap(times, interval)
+    name = model.name
+    return [
+        None if lost else ObjectPose(model=name, position=tuple(point), orientation=tuple(turn))
+        for lost, point, turn in zip(gap, points.tolist(), turns.tolist(), strict=True)
+    ]

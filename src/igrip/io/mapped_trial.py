@@ -1,0 +1,221 @@
+"""One trial by a map of columns: its row of the table of trials, and its take."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from igrip.errors import DatasetError
+from igrip.io.cells.values import known_text, number
+from igrip.io.column_map import ColumnMap
+from igrip.io.hand_ids import hand_side, is_hand, match_hand
+from igrip.io.importers import MovingObject, RecordedReach
+from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
+from igrip.io.tables import near_miss
+from igrip.io.takes.declared import Declared
+from igrip.io.takes.take import Take, Track
+
+Array = NDArray[np.float64]
+
+
+class TrialReader:
+    """Reads the reach of one row of the table of trials, or of one take.
+
+    Parameters
+    ----------
+    columns, declared : ColumnMap, Declared
+        The map, and all that is declared.
+    number : int
+        Of the trial.
+    line : int or None
+        Of its row; None without a table of trials.
+    row : mapping of str to str
+        The cells by column.
+    takes : mapping of str to Take or DatasetError
+        By trial.
+    take : str or None
+        The trial, where no row names it.
+    """
+
+    def __init__(
+        self,
+        columns: ColumnMap,
+        declared: Declared,
+        number: int,
+        line: int | None,
+        row: Mapping[str, str],
+        takes: Mapping[str, Take | DatasetError],
+        take: str | None,
+    ) -> None:
+        self._map, self._declared, self._number = columns, declared, number
+        self._row, self._takes, self._take = row, takes, take
+        self._where = f"take {take!r}" if line is None else f"table {columns.trials.table!r}, line {line}"
+
+    def __call__(self) -> RecordedReach:
+        want = self._map.trials
+        trial = self._take if self._take is not None else trial_id(self._required(want.trial))
+        if trial not in self._takes:
+            raise DatasetError(
+                f"{self._where}: trial {trial!r} has no samples{near_miss(trial, self._takes)}"
+            )
+        take = self._takes[trial]
+        if isinstance(take, DatasetError):
+            raise take
+        hands = self._hands(take)
+        hand, key = self._hand(take, hands)
+        track = take.tracks[key]
+        if not len(track.times):
+            raise DatasetError(
+                f"{self._where}: trial {trial!r}: its times do not increase, or are fewer than two: "
+                f"hand {hand!r} was not seen in any of {len(take.times)} samples"
+            )
+        moving = self._moving(take)
+        several = len(take.tracks) > 1
+        begin = 0.0 if several else float(track.times[0])
+        placed = {
+            id: self._position(id, take) for id, o in self._map.objects.items() if o.body is None
+        }
+        return RecordedReach(
+            name=re.sub(r"[^\w-]", "_", f"{self._number}_{trial}"),
+            participant=self._cell(want.participant, "unknown") or "unknown",
+            trial=trial,
+            hand=hand,
+            target=self._target(),
+            times=track.times - begin,
+            positions=track.positions,
+            object_positions=placed,
+            models={id: o.model for id, o in self._map.objects.items() if o.model},
+            grip=self._grip(),
+            movement=self._cell(want.movement),
+            movement_only=False,
+            moving_objects=moving,
+            other_hands={id: take.tracks[k] for id, k in hands.items() if k != key and id != hand},
+            onset_s=self._number_of(want.onset_s),
+            end_s=self._number_of(want.end_s),
+            duration=float(take.times[-1]) if several else None,
+            remarks=take.remarks,
+        )
+
+    def _hands(self, take: Take) -> dict[str, str]:
+        """Return the tracks of all hands by id."""
+        if self._map.hands:
+            return hand_tracks(take, dict(self._map.hands))
+        if TRIAL_HAND in take.tracks or self._map.samples.columns is not None:
+            return {}
+        used = {o.body for o in self._map.objects.values()}
+        named = [key for key in take.tracks if is_hand(key) and key not in used]
+        rigid = [key for key in named if take.kinds[key] != "marker"] or named
+        found: dict[str, str] = {}
+        for key in rigid:
+            found.setdefault(hand_side(key) or "right", key)
+        return found
+
+    def _hand(self, take: Take, hands: Mapping[str, str]) -> tuple[str, str]:
+        """Return the id of the trial's hand and its track."""
+        default = next(iter(hands)) if len(hands) == 1 else None
+        if self._take is not None and not self._map.trials.hand.startswith("="):
+            named = default
+        else:
+            named = self._cell(self._map.trials.hand, default)
+        if named is None:
+            choices = ", ".join(hands) or "none"
+            raise DatasetError(
+                f'{self._where}: its hand is not known; declare [trials] hand = "=right" or a column '
+                f"(hands of the take: {choices})"
+            )
+        if TRIAL_HAND in take.tracks:
+            return hand_side(named) or named, TRIAL_HAND
+        id = match_hand(named, list(hands))
+        if id is None:
+            bodies = ", ".join(key for key in take.tracks if not key.startswith(TRIAL_HAND))
+            raise DatasetError(
+                f"{self._where}: hand {named!r} is none of {', '.join(hands) or 'no known hand'}; "
+                f'name its body: [hands.{hand_side(named) or "right"}] body = "…" (bodies: {bodies})'
+            )
+        return id, hands[id]
+
+    def _target(self) -> str | None:
+        want = self._map.trials.target
+        if self._take is not None and not want.startswith("="):
+            return None
+        return self._required(want)
+
+    def _moving(self, take: Take) -> dict[str, MovingObject]:
+        found = {}
+        for id, thing in self._map.objects.items():
+            if thing.body is not None:
+                track = take.tracks[find_body(thing.body, take)]
+                if thing.pivot == "middle" and track.orientations is not None:
+                    track = Track(
+                        track.times, track.positions, _body_axes(track.orientations, take)
+                    )
+                found[id] = MovingObject(track, thing.pivot)
+        return found
+
+    def _position(self, id: str, take: Take) -> Array:
+        thing = self._map.objects[id]
+        numbers = []
+        for axis in (thing.x, thing.y, thing.z):
+            if isinstance(axis, float):
+                numbers.append(axis)
+                continue
+            text = self._required(str(axis))
+            value = number(text, "," if "," in text else ".", self._declared.missing)
+            if value is None or value != value:
+                raise DatasetError(f"{self._where}, column {axis!r}: {text!r} is no number")
+            numbers.append(value)
+        unit = self._declared.length_unit or take.frame.length_unit
+        frame = (Declared(length_unit=unit) | self._declared).frame()
+        return np.asarray(frame.positions(np.array(numbers)))
+
+    def _cell(self, column: str | None, default: str | None = None) -> str | None:
+        if column is None:
+            return default
+        if column.startswith("="):
+            return column[1:]
+        if self._take is not None:
+            return default
+        if column not in self._row:
+            raise DatasetError(
+                f"{self._where}: no column {column!r}{near_miss(column, self._row)}; it has "
+                f"{', '.join(self._row)}"
+            )
+        return known_text(self._row[column])
+
+    def _required(self, column: str) -> str:
+        text = self._cell(column)
+        if text is None:
+            raise DatasetError(f"{self._where}: {column!r} is empty")
+        return text
+
+    def _number_of(self, column: str | None) -> float | None:
+        text = self._cell(column)
+        if text is None:
+            return None
+        value = number(text, "," if "," in text else ".")
+        if value is None:
+            raise DatasetError(f"{self._where}, column {column!r}: {text!r} is no time")
+        return None if value != value else value
+
+    def _grip(self) -> str | None:
+        text = self._cell(self._map.trials.grip)
+        if text is not None and text.lower() not in ("palmar", "pinch"):
+            raise DatasetError(f"{self._where}: grip {text!r} is neither palmar nor pinch")
+        return None if text is None else text.lower()
+
+
+def _body_axes(orientations: Array, take: Take) -> Array:
+    """Return rotations of a body whose axes were those of the file's world when it was not turned.
+
+    The frame turned the world alone; here the body's own axes are turned back with it, so that a
+    body that is not turned stays upright.
+    """
+    from scipy.spatial.transform import Rotation
+
+    if take.frame.left_handed:
+        return orientations
+    turn = Rotation.from_matrix(take.frame.matrix)
+    return np.asarray((Rotation.from_quat(orientations) * turn.inv()).as_quat())
