@@ -1,0 +1,330 @@
+"""A plausibility check on first contact: whether numbers mean what they are taken for.
+
+Data in millimetres, in milliseconds or in a world with y up are well-formed, and wrong. The check
+looks at intervals, extents, speeds, sizes and orientations, and names the unit or frame that would
+fit. The limits are wide: reaches span centimetres to metres at 0.1 to 10 m/s, and motion is sampled
+at 1 to 5,000 Hz.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from igrip.io.frames import METRES, SECONDS
+
+Array = NDArray[np.float64]
+
+MAX_INTERVAL = 2.0  # s between samples; more is refused
+SLOW_INTERVAL = 0.5  # s; more is remarked
+MIN_INTERVAL = 2e-4  # s; less is refused
+MAX_EXTENT = 20.0  # m that a hand or object may move; more is refused
+MIN_EXTENT = 0.005  # m that the whole scene must span
+MAX_SPEED = 30.0  # m/s, as the median of a moving hand; more is remarked
+USUAL_INTERVAL, USUAL_EXTENT, USUAL_SIZE = 0.012, 0.5, 0.15  # s, m, m: which unit fits best
+SIZES = (0.002, 2.0)  # m of a thing that a hand grasps
+MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 20 a sample
+MESSAGES_PER_SAMPLE = 20
+MIN_SAMPLES = 5  # fewer show nothing
+REPEATED_SHARE = 0.5  # of positions that repeat the one before, bit for bit
+ALIGNED = math.cos(math.radians(10.0))
+
+
+class Finding(NamedTuple):
+    """One thing that is implausible.
+
+    Attributes
+    ----------
+    verdict : str
+        ``refuse``: the numbers cannot be meant so; ``remark``: they can, but it is unusual.
+    kind : str
+        ``interval``, ``length``, ``extent``, ``speed``, ``size``, ``missing``, ``repeats``, ``up``.
+    text : str
+        For the user; it names the unit or frame that would fit.
+    """
+
+    verdict: Literal["refuse", "remark"]
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Samples:
+    """The measurements of one hand or object, as they are taken: metres, seconds, x, y, z, w.
+
+    Parameters
+    ----------
+    times : (n,)
+        [s].
+    positions : (n, 3)
+        [m]; a row with NaN: not seen.
+    orientations : (n, 4), optional
+        World from mesh; a row with NaN: not seen.
+    """
+
+    times: Array
+    positions: Array
+    orientations: Array | None = None
+
+
+def refusal(findings: Iterable[Finding]) -> str | None:
+    """Return why data are refused, as one text; None if they are not."""
+    return "; ".join(f.text for f in findings if f.verdict == "refuse") or None
+
+
+def check_samples(
+    hands: Mapping[str, Samples],
+    objects: Mapping[str, Samples],
+    length_unit: str = "m",
+    time_unit: str = "s",
+) -> list[Finding]:
+    """Check the measurements of a scene; the units are those that they were converted from."""
+    findings = []
+    times = [samples.times for samples in (*hands.values(), *objects.values())]
+    longest = max(times, key=len, default=np.empty(0))
+    findings += check_times(longest, time_unit)
+    scene = [*hands.items(), *objects.items()]
+    findings += check_extents({id: s.positions for id, s in scene}, length_unit)
+    for id, samples in hands.items():
+        findings += _check_motion(id, samples, length_unit)
+    findings += check_up(
+        {id: s.orientations for id, s in objects.items() if s.orientations is not None},
+        {id: s.positions for id, s in objects.items()},
+    )
+    return findings
+
+
+def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
+    """Check the interval between samples at times (n,) that were converted from ``unit`` [s]."""
+    values = np.asarray(times, dtype=np.float64)
+    steps = np.diff(values[np.isfinite(values)])
+    steps = steps[steps > 0.0]
+    if len(steps) < MIN_SAMPLES - 1:
+        return []
+    step = float(np.median(steps))
+    if MIN_INTERVAL <= step <= SLOW_INTERVAL:
+        return []
+    fits = _fitting_units(step, unit, SECONDS, (5e-4, 0.25), USUAL_INTERVAL)
+    refused = not MIN_INTERVAL <= step <= MAX_INTERVAL
+    text = f"steps of {_number(step)} s" + _question("are these", fits)
+    if not fits and step > SLOW_INTERVAL:
+        text += ": igrip follows motion from about 10 samples a second on"
+    return [Finding("refuse" if refused else "remark", "interval", text)]
+
+
+def check_length(times: ArrayLike, rate: float) -> list[Finding]:
+    """Check how many messages times (n,) [s] give at a rate [Hz], before any is made."""
+    values = np.asarray(times, dtype=np.float64)
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return []
+    seconds = float(values.max() - values.min())
+    messages = seconds * rate
+    if messages <= max(MAX_MESSAGES, MESSAGES_PER_SAMPLE * len(values)):
+        return []
+    text = (
+        f"{len(values)} samples over {_number(seconds)} s would become {messages:.3g} messages at "
+        f"{rate:g} Hz: is the unit of time right, and are there odd times?"
+    )
+    return [Finding("refuse", "length", text)]
+
+
+def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[Finding]:
+    """Check how far things move and how far apart they are, by id (n, 3) [m].
+
+    ``unit`` is that of the source, which they were converted from.
+    """
+    findings, everything = [], []
+    for id, given in positions.items():
+        points = _finite_rows(given)
+        if not len(points):
+            continue
+        everything.append(points)
+        # the bulk of it: a few stray points are no matter of the unit
+        low, high = np.percentile(points, [5.0, 95.0], axis=0)
+        span = float(np.max(high - low))
+        away = float(np.median(np.abs(points).max(axis=1)))
+        size, words = (span, "moves over") if span > MAX_EXTENT else (away, "is")
+        if size <= MAX_EXTENT * (1.0 if size is span else 5.0):
+            continue
+        fits = _fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
+        text = f"{id} {words} {_number(size)} m{'' if size is span else ' from the origin'}"
+        findings.append(Finding("refuse", "extent", text + _question("are its positions in", fits)))
+    if findings or not everything:
+        return findings
+    points = np.concatenate(everything)
+    span = float(np.max(np.ptp(points, axis=0)))
+    several = len(everything) > 1 and len(points) >= MIN_SAMPLES
+    if several and 0.0 < span < MIN_EXTENT:
+        fits = _fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
+        text = f"the whole scene spans {_number(span)} m" + _question("are positions in", fits)
+        findings.append(Finding("refuse", "extent", text))
+    return findings
+
+
+def check_sizes(extents: Mapping[str, ArrayLike], unit: str = "m") -> list[Finding]:
+    """Check the extents (3,) of meshes by name [m], converted from ``unit``."""
+    findings = []
+    for name, extent in extents.items():
+        size = float(np.max(np.asarray(extent, dtype=np.float64)))
+        if SIZES[0] <= size <= SIZES[1]:
+            continue
+        fits = _fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
+        text = f"{name} is {_number(size)} m long" + _question("is it in", fits)
+        findings.append(Finding("refuse", "size", text))
+    return findings
+
+
+def check_up(
+    orientations: Mapping[str, ArrayLike], positions: Mapping[str, ArrayLike]
+) -> list[Finding]:
+    """Check that objects do not all hang upside down or lie: then z is hardly up.
+
+    Parameters
+    ----------
+    orientations : mapping of str to (n, 4)
+        World from mesh, x, y, z, w, by object.
+    positions : mapping of str to (n, 3)
+        By object [m]. Where nothing turns, they can show which axis is up.
+    """
+    axes = [axis for q in orientations.values() if (axis := _upright_axis(q)) is not None]
+    if axes:
+        up = np.array(axes)
+        if (up[:, 2] < -ALIGNED).all():
+            text = "every object hangs upside down: does z point down (up = -z)?"
+            return [Finding("remark", "up", text)]
+        for column, name in ((1, "y"), (0, "x")):
+            for sign, word in ((1.0, name), (-1.0, f"-{name}")):
+                if (sign * up[:, column] > ALIGNED).all():
+                    text = f"every object lies, with its top along {word}: is up = {word}?"
+                    return [Finding("remark", "up", text)]
+    places = [np.median(rows, axis=0) for p in positions.values() if len(rows := _finite_rows(p))]
+    if len(places) > 1 and not (axes and (np.array(axes)[:, 2] > ALIGNED).any()):
+        spread = np.ptp(np.array(places), axis=0)
+        if spread[1] < 0.01 and spread[2] > 0.05 and spread[0] > 0.01:
+            text = "all objects are at one y and at different z: is y up (up = y)?"
+            return [Finding("remark", "up", text)]
+    return []
+
+
+def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArray[np.bool_]:
+    """Return which positions (n, 3) stand for "not there", in the source's own numbers.
+
+    These are rows that are not finite; 0 0 0 for two samples or more, or away from its neighbours;
+    and −9999 and its like: four nines or more in any component, or three in all.
+
+    Parameters
+    ----------
+    positions : (n, 3)
+        Before any conversion.
+    may_rest_at_zero : bool
+        Whether 0 0 0 throughout is a place, as of an object at the origin.
+    """
+    rows = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
+    markers = np.fromiter((_is_marker(row) for row in rows.tolist()), bool, len(rows))
+    missing: NDArray[np.bool_] = np.logical_or(~np.isfinite(rows).all(axis=1), markers)
+    zero = (rows == 0.0).all(axis=1)
+    if zero.any() and not (may_rest_at_zero and zero[~missing].all()):
+        near = np.zeros(len(rows), dtype=np.bool_)
+        near[1:] |= zero[:-1]
+        near[:-1] |= zero[1:]
+        moving = rows[~missing & ~zero]
+        far = len(moving) > 0 and _is_far(rows, zero, moving)
+        missing |= zero & (near | far)
+    return missing
+
+
+def is_missing_marker(position: Iterable[float]) -> bool:
+    """Return whether numbers of one position are a marker such as −9999, unlike any place."""
+    return _is_marker(list(position))
+
+
+def _is_marker(row: list[float]) -> bool:
+    nines = [_nines(value) for value in row]
+    return max(nines, default=0) >= 4 or (min(nines, default=0) >= 3 and len(set(row)) == 1)
+
+
+def _nines(value: float) -> int:
+    """Return of how many nines a number consists, 0 if of anything else; more than 1e30: 9."""
+    size = abs(value)
+    if size < 999.0 or size != size:
+        return 0
+    if size > 1e30:
+        return 9
+    digits = f"{size:.10g}".replace(".", "")
+    return len(digits) if not digits.strip("9") else 0
+
+
+def _is_far(rows: Array, zero: NDArray[np.bool_], moving: Array) -> bool:
+    """Return whether a lone 0 0 0 is farther from the rest than the rest spans."""
+    low, high = moving.min(axis=0), moving.max(axis=0)
+    outside = np.maximum(np.maximum(low, -high), 0.0)
+    return bool(np.linalg.norm(outside) > np.linalg.norm(high - low))
+
+
+def _check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
+    """Check the speed of a hand, and the share of positions that repeat the one before."""
+    seen = np.isfinite(samples.positions).all(axis=1) & np.isfinite(samples.times)
+    times, points = samples.times[seen], samples.positions[seen]
+    if len(times) < 2 * MIN_SAMPLES:
+        return []
+    findings = []
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    intervals = np.diff(times)
+    repeated = float(np.mean(steps == 0.0))
+    if REPEATED_SHARE <= repeated < 1.0:
+        text = (
+            f"{repeated:.0%} of the positions of {id} repeat the one before: is it sent more often "
+            "than it is measured?"
+        )
+        findings.append(Finding("remark", "repeats", text))
+    moved = (intervals > 0.0) & (steps > 0.0)
+    if moved.sum() >= MIN_SAMPLES:
+        speed = float(np.median(steps[moved] / intervals[moved]))
+        if speed > MAX_SPEED:
+            text = f"{id} moves at {_number(speed)} m/s: are the units of length and time right?"
+            findings.append(Finding("remark", "speed", text))
+    return findings
+
+
+def _upright_axis(quaternions: ArrayLike) -> Array | None:
+    """Return where the z axis of a mesh points, the mean over (n, 4) x, y, z, w; None: unknown."""
+    q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
+    norm = np.linalg.norm(q, axis=1)
+    q = q[np.isfinite(norm) & (norm > 0.0)] / norm[np.isfinite(norm) & (norm > 0.0), None]
+    if not len(q):
+        return None
+    x, y, z, w = q.T
+    mean: Array = np.array(
+        [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
+    ).mean(1)
+    return mean / max(float(np.linalg.norm(mean)), 1e-12)
+
+
+def _finite_rows(positions: ArrayLike) -> Array:
+    rows = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
+    return rows[np.isfinite(rows).all(axis=1)]
+
+
+def _fitting_units(
+    value: float, unit: str, units: Mapping[str, float], bounds: tuple[float, float], usual: float
+) -> list[str]:
+    """Return the units in which the source's numbers would fit, the likeliest first."""
+    given = value / units[unit]
+    fits = {name: given * size for name, size in units.items() if name != unit}
+    fits = {name: x for name, x in fits.items() if bounds[0] <= x <= bounds[1]}
+    common = {name: x for name, x in fits.items() if name not in ("dm", "in")} or fits
+    return sorted(common, key=lambda name: abs(math.log(common[name] / usual)))
+
+
+def _question(verb: str, units: list[str]) -> str:
+    return f": {verb} {' or '.join(units)}?" if units else ""
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if not 1e3 <= value < 1e7 else f"{value:.0f}"

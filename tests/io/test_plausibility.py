@@ -1,0 +1,138 @@
+"""The plausibility check: units and frames by their effect on known scenes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from igrip.io.frames import METRES, SECONDS
+from igrip.io.plausibility import (
+    Samples,
+    check_extents,
+    check_length,
+    check_samples,
+    check_sizes,
+    check_times,
+    check_up,
+    missing_rows,
+    refusal,
+)
+
+TIMES = np.arange(60) / 30.0
+REACH = np.stack([0.2 - 0.2 * TIMES, 0.2 * TIMES, 0.05 + 0.02 * TIMES], axis=1)
+UPRIGHT = np.tile([0.0, 0.0, 0.0, 1.0], (60, 1))
+
+
+def scene(length=1.0, time=1.0, turn=None):
+    turn = turn or Rotation.identity()
+    place = np.tile([0.0, 0.4, 0.0], (60, 1))
+    orientations = (turn * Rotation.from_quat(UPRIGHT)).as_quat()
+    hand = Samples(time * TIMES, length * turn.apply(REACH))
+    other = np.tile([0.3, 0.3, 0.1], (60, 1))
+    objects = {
+        "mug": Samples(time * TIMES, length * turn.apply(place), orientations),
+        "box": Samples(time * TIMES, length * turn.apply(other), orientations),
+    }
+    return {"right": hand}, objects
+
+
+def test_a_plain_scene_has_no_findings():
+    assert check_samples(*scene()) == []
+
+
+@pytest.mark.parametrize(("unit", "taken"), [("mm", "m"), ("cm", "m"), ("m", "mm"), ("m", "cm")])
+def test_a_wrong_unit_of_length_is_refused_with_the_one_that_fits(unit, taken):
+    text = refusal(check_samples(*scene(METRES[taken] / METRES[unit]), length_unit=taken))
+    assert text is not None
+    assert f" in {unit}" in text
+
+
+@pytest.mark.parametrize(("unit", "taken"), [("m", "m"), ("mm", "cm"), ("cm", "mm")])
+def test_a_scene_of_four_centimetres_or_four_metres_may_be_meant_so(unit, taken):
+    assert check_samples(*scene(METRES[taken] / METRES[unit]), length_unit=taken) == []
+
+
+@pytest.mark.parametrize("rate", [15.0, 30.0, 60.0, 100.0, 120.0, 240.0])
+@pytest.mark.parametrize("unit", ["ms", "us", "ns"])
+def test_a_wrong_unit_of_time_is_refused_with_the_one_that_fits(rate, unit):
+    text = refusal(check_times(np.arange(30) / rate / SECONDS[unit]))
+    assert text is not None
+    assert f"are these {unit}?" in text.replace(f" {unit} or", f" {unit}? or")
+
+
+@pytest.mark.parametrize("rate", [3.0, 15.0, 30.0, 240.0, 1000.0])
+def test_usual_rates_pass(rate):
+    assert check_times(np.arange(30) / rate) == []
+
+
+def test_a_second_between_samples_is_remarked():
+    (finding,) = check_times(np.arange(30.0))
+    assert finding.verdict == "remark"
+
+
+def test_microseconds_taken_for_seconds_are_refused_before_anything_is_made():
+    assert "6.3e+07" in refusal(check_length(np.arange(63) * 33_870.0, 30.0))
+    assert check_length(np.arange(0.0, 3600.0, 0.01), 30.0) == []
+
+
+@pytest.mark.parametrize(
+    ("turn", "named"),
+    [
+        (Rotation.from_euler("x", -90, degrees=True), "up = y"),
+        (Rotation.from_euler("x", 90, degrees=True), "up = -y"),
+        (Rotation.from_euler("y", 90, degrees=True), "up = x"),
+        (Rotation.from_euler("x", 180, degrees=True), "up = -z"),
+    ],
+)
+def test_objects_that_all_lie_or_hang_name_the_axis(turn, named):
+    (finding,) = check_samples(*scene(turn=turn))
+    assert finding.verdict == "remark"
+    assert named in finding.text
+
+
+def test_one_object_that_lies_among_others_is_no_matter():
+    lying = Rotation.from_euler("x", 90, degrees=True).as_quat()
+    assert check_up({"banana": [lying], "mug": [[0, 0, 0, 1]]}, {}) == []
+
+
+def test_places_alone_can_show_the_axis():
+    places = {"near": [[0.0, 0.1, 0.2]], "far": [[0.1, 0.1, 0.4]]}
+    assert "up = y" in check_up({}, places)[0].text
+
+
+def test_a_stray_point_is_no_matter_of_the_unit():
+    points = REACH.copy()
+    points[7] = 900.0
+    assert check_extents({"right": points}) == []
+
+
+def test_sizes_name_every_unit_that_fits():
+    assert "mm" in check_sizes({"mug": [96.0, 80.0, 80.0]})[0].text
+    assert "cm or mm" in check_sizes({"tray": [30.0, 20.0, 2.1]})[0].text
+    assert check_sizes({"mug": [0.096, 0.08, 0.08]}) == []
+
+
+def test_what_stands_for_missing():
+    rows = [[1, 2, 3], [0, 0, 0], [0, 0, 0], [-9999, 1, 2], [999, 999, 999], [np.nan, 1, 1],
+            [999, 1, 2], [99999.99, 0, 0], [-3.4e38, 0, 1]]  # fmt: skip
+    expected = [False, True, True, True, True, True, False, True, True]
+    assert missing_rows(rows).tolist() == expected
+
+
+def test_a_lone_zero_is_missing_only_away_from_the_rest():
+    away, near = [[0.2, 0.3, 0.1]] * 3, [[0.0, 0.01, 0.0], [0.0, 0.4, 0.0]]
+    assert missing_rows([*away, [0, 0, 0], *away])[3]
+    assert not missing_rows([[0, 0, 0], *near]).any()
+
+
+def test_an_object_may_stand_at_the_origin():
+    assert not missing_rows(np.zeros((5, 3)), may_rest_at_zero=True).any()
+    assert missing_rows(np.zeros((5, 3))).all()
+
+
+def test_a_sender_that_repeats_itself_and_speeds_of_no_hand_are_remarked():
+    repeated = Samples(TIMES, REACH[np.arange(60) // 4 * 4])
+    assert [f.kind for f in check_samples({"right": repeated}, {})] == ["repeats"]
+    fast = Samples(TIMES / 1000.0, REACH)
+    assert "speed" in [f.kind for f in check_samples({"right": fast}, {})]
