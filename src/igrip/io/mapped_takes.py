@@ -42,6 +42,7 @@ def takes_in(
     remarks = list(source.layout.remarks)
     hand = _hand_columns(source, columns)
     if hand is not None:
+        bodies.pop("", None)  # the same columns without a name
         bodies[TRIAL_HAND] = _raw(source, hand, declared, remarks)
     for id, part in columns.hands.items():
         if part.columns is not None:

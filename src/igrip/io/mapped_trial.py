@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 from igrip.errors import DatasetError
 from igrip.io.cells.values import known_text, number
 from igrip.io.column_map import ColumnMap
-from igrip.io.hand_ids import hand_side, is_hand, match_hand
+from igrip.io.hand_ids import hand_side, match_hand
 from igrip.io.importers import MovingObject, RecordedReach
 from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
+from igrip.io.plausibility import Samples, check_samples, refusal
 from igrip.io.tables import near_miss
 from igrip.io.takes.declared import Declared
+from igrip.io.takes.roles import hands_of
 from igrip.io.takes.take import Take, Track
+from igrip.io.takes.upright import upright_remark, with_upright_axes
 
 Array = NDArray[np.float64]
 
@@ -78,6 +81,7 @@ class TrialReader:
         placed = {
             id: self._position(id, take) for id, o in self._map.objects.items() if o.body is None
         }
+        remarks = [*take.remarks, *self._check(take, hand, track, moving, placed)]
         return RecordedReach(
             name=re.sub(r"[^\w-]", "_", f"{self._number}_{trial}"),
             participant=self._cell(want.participant, "unknown") or "unknown",
@@ -96,8 +100,34 @@ class TrialReader:
             onset_s=self._number_of(want.onset_s),
             end_s=self._number_of(want.end_s),
             duration=float(take.times[-1]) if several else None,
-            remarks=take.remarks,
+            remarks=remarks,
+            converted_from=None if take.frame.is_default else take.frame.to_dict(),
         )
+
+    def _check(
+        self,
+        take: Take,
+        hand: str,
+        track: Track,
+        moving: Mapping[str, MovingObject],
+        placed: Mapping[str, Array],
+    ) -> list[str]:
+        """Return what is unusual; raise an error where a unit cannot be right."""
+        objects = {id: _samples(moved.track) for id, moved in moving.items()}
+        objects |= {id: Samples(np.zeros(1), position[None]) for id, position in placed.items()}
+        findings = check_samples(
+            {hand: _samples(track)}, objects, take.frame.length_unit, take.frame.time_unit
+        )
+        problem = refusal(findings)
+        if problem is not None:
+            raise DatasetError(
+                f"{self._where}: {problem} Declare unit or time_unit in the map, or --unit, --time-unit"
+            )
+        remarks = [finding.text for finding in findings]
+        if take.frame.axes == ("x", "y", "z") and not any(f.kind == "up" for f in findings):
+            remark = upright_remark(track.positions, list(placed.values()))
+            remarks += [remark] if remark else []
+        return remarks
 
     def _hands(self, take: Take) -> dict[str, str]:
         """Return the tracks of all hands by id."""
@@ -106,12 +136,7 @@ class TrialReader:
         if TRIAL_HAND in take.tracks or self._map.samples.columns is not None:
             return {}
         used = {o.body for o in self._map.objects.values()}
-        named = [key for key in take.tracks if is_hand(key) and key not in used]
-        rigid = [key for key in named if take.kinds[key] != "marker"] or named
-        found: dict[str, str] = {}
-        for key in rigid:
-            found.setdefault(hand_side(key) or "right", key)
-        return found
+        return {id: key for id, key in hands_of(take).items() if key not in used}
 
     def _hand(self, take: Take, hands: Mapping[str, str]) -> tuple[str, str]:
         """Return the id of the trial's hand and its track."""
@@ -148,10 +173,8 @@ class TrialReader:
         for id, thing in self._map.objects.items():
             if thing.body is not None:
                 track = take.tracks[find_body(thing.body, take)]
-                if thing.pivot == "middle" and track.orientations is not None:
-                    track = Track(
-                        track.times, track.positions, _body_axes(track.orientations, take)
-                    )
+                if thing.pivot == "middle":
+                    track = with_upright_axes(track, take.frame)
                 found[id] = MovingObject(track, thing.pivot)
         return found
 
@@ -207,15 +230,5 @@ class TrialReader:
         return None if text is None else text.lower()
 
 
-def _body_axes(orientations: Array, take: Take) -> Array:
-    """Return rotations of a body whose axes were those of the file's world when it was not turned.
-
-    The frame turned the world alone; here the body's own axes are turned back with it, so that a
-    body that is not turned stays upright.
-    """
-    from scipy.spatial.transform import Rotation
-
-    if take.frame.left_handed:
-        return orientations
-    turn = Rotation.from_matrix(take.frame.matrix)
-    return np.asarray((Rotation.from_quat(orientations) * turn.inv()).as_quat())
+def _samples(track: Track) -> Samples:
+    return Samples(track.times, track.positions, track.orientations)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import re
 import zlib
 from array import array
@@ -10,14 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from igrip.errors import DatasetError
+from igrip.io.text import TextError, decode_text, detect_encoding
 
 MAX_BYTES = 2**31  # of a table; a day of 50 markers at 100 Hz is less
 MAX_RATIO = 100  # a compressed table is no longer than this times its file
 _GZIP = b"\x1f\x8b"
-_MARKS = (
-    (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"), (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
-)  # fmt: skip
+WESTERN = "cp1252"  # Western European Windows
 
 
 class Lines:
@@ -53,8 +50,7 @@ class Lines:
 def read_lines(path: Path) -> Lines:
     """Read a text file, also one compressed by gzip.
 
-    The encoding is that of its byte order mark, else UTF-16 where every second byte is zero, else
-    UTF-8, else the Western European code page of Windows.
+    The encoding is one of Unicode, or else the Western European code page of Windows.
 
     Raises
     ------
@@ -69,39 +65,18 @@ def read_lines(path: Path) -> Lines:
         raise DatasetError(f"{path}: {error.strerror or error}") from error
     if data.startswith(_GZIP):
         data = _decompress(data, path)
-    encoding = find_encoding(data)
     try:
-        text = data.decode(encoding)
-    except UnicodeDecodeError as error:
-        raise DatasetError(f"{path}: is no text: {error}") from None
-    del data
+        text = decode_text(data)
+        encoding = detect_encoding(data).name
+    except TextError:
+        encoding = WESTERN
+        try:
+            text = decode_text(data, fallback=WESTERN)
+        except (TextError, UnicodeError) as error:
+            raise DatasetError(f"{path}: is no text: {error}") from None
     if text.count("\0") > 0.01 * len(text):
         raise DatasetError(f"{path}: is no text, it holds zero bytes")
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
-    return Lines(text, "utf-8" if encoding == "utf-8-sig" else encoding)
-
-
-def find_encoding(data: bytes) -> str:
-    """Return the name of the encoding that the bytes of a text most likely have."""
-    for mark, name in _MARKS:
-        if data.startswith(mark):
-            return name
-    head = data[:4096]
-    zeros = [head[start::2].count(0) for start in (0, 1)]
-    if max(zeros) > 0.4 * (len(head) // 2) > 0:
-        return "utf-16-be" if zeros[0] > zeros[1] else "utf-16-le"
-    try:
-        codecs.utf_8_decode(data, "strict", True)
-    except UnicodeDecodeError:
-        pass
-    else:
-        return "utf-8"
-    try:
-        data.decode("cp1252")
-    except UnicodeDecodeError:
-        return "latin-1"
-    return "cp1252"
+    return Lines(text, encoding)
 
 
 def _decompress(data: bytes, path: Path) -> bytes:

@@ -15,10 +15,6 @@ MISSING = frozenset({
 })  # fmt: skip
 UNKNOWN_TEXTS = frozenset({"", "n/a"})
 """What a cell of texts holds where its text is not known: nothing, or ``n/a`` as in BIDS."""
-# numbers that stand for a missing one, where all coordinates are that number
-SENTINELS = frozenset(
-    sign * value for sign in (-1.0, 1.0) for value in (999.0, 9999.0, 99999.0, 999999.0, 9999999.0)
-)
 _DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d|\d{8}T\d")
 _CLOCK = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2}(?:[.,:]\d+)?)")
 

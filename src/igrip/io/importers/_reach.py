@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,8 @@ class RecordedReach:
         Length of the recording [s]; by default until the hand's last sample.
     remarks : sequence of str
         What was repaired or is odd.
+    converted_from : mapping or None
+        The frame and units that the numbers were converted from.
 
     Raises
     ------
@@ -98,6 +100,7 @@ class RecordedReach:
     end_s: float | None = None
     duration: float | None = None
     remarks: Sequence[str] = ()
+    converted_from: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         finite = len(self.times) > 1 and np.isfinite(self.times).all()

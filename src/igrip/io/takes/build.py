@@ -124,8 +124,8 @@ def _lost_remarks(
     key: str, sentinels: int, zeros: int, first: int, lines: Sequence[int]
 ) -> list[str]:
     where = f"first in line {lines[first]}" if first >= 0 else ""
-    name = key or "the hand"
-    notes = []
+    name = "the hand" if not key or key.startswith("\0") else key
+    notes: list[str] = []
     if sentinels:
         notes.append(f"{name}: {sentinels} samples hold a number for 'not there', {where}: gaps")
     if zeros:

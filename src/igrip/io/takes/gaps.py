@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.io.cells.values import SENTINELS
+from igrip.io.plausibility import missing_rows
 
 Array = NDArray[np.float64]
 MIN_ZERO_JUMP = 10.0  # of the median step: from a zero that is no measurement to its neighbours
@@ -46,10 +46,8 @@ def find_lost(positions: Array, zero_is_missing: bool = False) -> Lost:
         Whether zeros always stand for a lost body.
     """
     missing = ~np.isfinite(positions).all(axis=1)
-    sentinel = np.zeros(len(positions), dtype=bool)
-    for value in SENTINELS:
-        sentinel |= (positions == value).all(axis=1)
     zero = (positions == 0.0).all(axis=1)
+    sentinel = missing_rows(positions) & ~missing & ~zero
     if zero.any() and not zero_is_missing:
         zero = _impossible_zeros(positions, zero, missing | sentinel)
     marked = np.flatnonzero(sentinel | zero)
