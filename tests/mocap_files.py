@@ -1,7 +1,7 @@
 """Writers of the files that motion-capture systems export, for tests; nothing is copied.
 
-A scene is times [s] and bodies: positions (n, 3) [m], NaN where lost, and rotations (n, 4), x y z w,
-or None for a marker; all in a right-handed world with z up.
+A scene is times [s] and bodies: positions (n, 3) [m], NaN where lost, and rotations (n, 4), as x,
+y, z, w, or None for a marker; all in a right-handed world with z up.
 """
 
 from __future__ import annotations
@@ -105,10 +105,14 @@ def qtm_3d(path, scene, header=True, names=True, decimal=".", version=False, fra
                   "NO_OF_ANALOG\t0", "ANALOG_FREQUENCY\t0", "DESCRIPTION\t--",
                   "TIME_STAMP\t2024-01-01, 10:00:00.000\t100.1", "DATA_INCLUDED\t3D",
                   "EVENT\tgo\t12\t0.12", "\t".join(["MARKER_NAMES", *scene.bodies])]  # fmt: skip
-        lines += ["\t".join(["TRAJECTORY_TYPES", *["Measured"] * len(scene.bodies)])] if version else []
+        lines += (
+            ["\t".join(["TRAJECTORY_TYPES", *["Measured"] * len(scene.bodies)])] if version else []
+        )
     lead = ["Frame", "Time"] if frames else []
     if names:
-        lines.append("\t".join([*lead, *(f"{name} {axis}" for name in scene.bodies for axis in "XYZ")]))
+        lines.append(
+            "\t".join([*lead, *(f"{name} {axis}" for name in scene.bodies for axis in "XYZ")])
+        )
     for k, t in enumerate(scene.times):
         cells = [str(k + 1), text(t, decimal)] if frames else []
         for body in scene.bodies.values():
@@ -142,7 +146,9 @@ def qtm_6d(path, scene, prefixed=True, decimal=".", frames=True):
     return write(path, lines, newline="\r\n")
 
 
-def vicon(path, scene, separator=",", decimal=".", section="Trajectories", subject="Anna", blank=False):
+def vicon(
+    path, scene, separator=",", decimal=".", section="Trajectories", subject="Anna", blank=False
+):
     """Nexus' CSV: markers (Trajectories) or segments with axis times angle, in degrees."""
     turning = section != "Trajectories"
     parts = ["RX", "RY", "RZ", "TX", "TY", "TZ"] if turning else ["X", "Y", "Z"]
@@ -244,7 +250,9 @@ def c3d(path, scene, unit="mm"):
     blocks = 3
     parameters = bytes([1, 0x50, blocks, 84]) + parameters + b"\0\0"
     assert len(parameters) <= 512 * blocks
-    head = struct.pack("<BBHHHHHfHHf", 2, 0x50, len(labels), 0, 1, frames, 0, -1.0, 5, 0, scene.rate)
+    head = struct.pack(
+        "<BBHHHHHfHHf", 2, 0x50, len(labels), 0, 1, frames, 0, -1.0, 5, 0, scene.rate
+    )
     data = b""
     for k in range(frames):
         for body in scene.bodies.values():

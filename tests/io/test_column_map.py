@@ -116,8 +116,14 @@ def test_what_is_wrong_is_named(tmp_path, old, new, words):
 
 
 def test_a_missing_column_of_the_trials_leaves_each_out_by_name(tmp_path):
-    _, problems = imported(write(tmp_path, MAP.replace('"who"', '"whom"')), tmp_path / "out")
+    folder = write(tmp_path, MAP.replace('"who"', '"whom"'))
+    importer, problems = ColumnMapImporter(read_column_map(folder / "map.toml")), []
+    reaches = importer.reaches(ImportFiles([folder]))
+    with pytest.raises(DatasetError, match=r"nothing could be imported: .*no column 'whom'"):
+        import_dataset(importer, reaches, tmp_path / "out", load_objects("ycb"), ImportOptions(),
+                       ["ycb"], problems)  # fmt: skip
     assert all("no column 'whom'" in p for p in problems[:2])
+    assert not (tmp_path / "out").exists()
 
 
 def test_one_table_a_trial(tmp_path):

@@ -10,8 +10,8 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, progress, warn
-from igrip.errors import DatasetError
 from igrip.cli.inspection import print_inspection
+from igrip.errors import DatasetError
 from igrip.io.column_map import read_column_map
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import Importer, ImportFiles, ReachReader, find_importer
@@ -24,16 +24,13 @@ from igrip.io.takes.declared import Declared
 from igrip.lab.evaluation.runner import spread
 from igrip.objects.catalog import Catalog, load_objects
 
-
 Unit = Annotated[
     str | None, typer.Option("--unit", help="Of lengths in the files: m, dm, cm, mm or in.")
 ]
 TimeUnit = Annotated[
     str | None, typer.Option("--time-unit", help="Of times in the files: s, ms, us or ns.")
 ]
-Up = Annotated[
-    str | None, typer.Option("--up", help="The files' axis that points up: z, y, -z, …")
-]
+Up = Annotated[str | None, typer.Option("--up", help="The files' axis that points up: z, y, -z, …")]
 Axes = Annotated[
     str | None,
     typer.Option("--axes", help="Our x, y, z in the files' axes, in place of --up: x,-z,y."),
@@ -45,8 +42,9 @@ Quaternions = Annotated[
     str | None, typer.Option("--quaternions", help="Order of quaternions: xyzw or wxyz.")
 ]
 InputRate = Annotated[
-    float | None, typer.Option("--input-rate", help="Frames per second of files without times.", min=0.1)
-]  # fmt: skip
+    float | None,
+    typer.Option("--input-rate", help="Frames per second of files without times.", min=0.1),
+]
 Missing = Annotated[
     list[str] | None,
     typer.Option("--missing", help="A word or number that stands for a lost marker; repeatable."),
@@ -56,7 +54,7 @@ Missing = Annotated[
 def import_tables(
     tables: Annotated[
         list[Path],
-        typer.Argument(help="Files (.csv, .tsv, .txt, .trc, .parquet, also .gz; .c3d), or folders."),
+        typer.Argument(help="Files (.csv .tsv .txt .trc .parquet, also .gz; .c3d), or folders."),
     ],
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="New folder for the dataset.")
@@ -101,8 +99,8 @@ def import_tables(
 ) -> None:
     """Turn motion-capture tables into a dataset.
 
-    Exports of Motive, QTM, Vicon, TRC, C3D and Motion-BIDS are recognised by what they hold; for any
-    other table, --columns names a map: see docs/importing.md. --inspect shows first what is
+    Exports of Motive, QTM, Vicon, TRC, C3D and Motion-BIDS are recognised by what they hold; for
+    any other table, --columns names a map: see docs/importing.md. --inspect shows first what is
     understood, and --write-map writes a map to start from. Reaches that cannot be used are listed
     and left out. The dataset.json declares what was converted and added.
 
@@ -198,7 +196,9 @@ def _inspect(
             write_map.write_text(text, encoding="utf-8")
         except OSError as error:
             raise DatasetError(f"{write_map}: {error.strerror or error}") from error
-        errors.print(f"Next: adapt {write_map}, then igrip import … --columns {write_map} --out DATASET")
+        errors.print(
+            f"Next: adapt {write_map}, then igrip import … --columns {write_map} --out DATASET"
+        )
     if all(one.problem and not one.columns for one in found):
         raise DatasetError("nothing could be read")
 

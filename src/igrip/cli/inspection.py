@@ -1,4 +1,4 @@
-"""What was understood of a file, on the terminal: a table of its bodies and a picture from above."""
+"""What was understood of a file: a table of its bodies and a picture from above."""
 
 from __future__ import annotations
 
@@ -43,10 +43,8 @@ def print_inspection(console: Console, found: Inspection) -> None:
     rows = []
     for key, letter in letters.items():
         summary = body_summary(take, key)
-        low, high = summary.get("min_m"), summary.get("max_m")
-        where = (
-            [f"{a:.2f}…{b:.2f}" for a, b in zip(low, high, strict=True)] if low else ["-"] * 3
-        )
+        low, high = summary.get("min_m", []), summary.get("max_m", [])
+        where = [f"{a:.2f}…{b:.2f}" for a, b in zip(low, high, strict=True)] if low else ["-"] * 3
         kind = summary["kind"]
         rows.append((f"{letter} {key or '(x, y, z)'}", kind, str(summary["samples"]),
                      str(summary["missing"]), *where))  # fmt: skip
@@ -70,7 +68,7 @@ def picture(take: Take, letters: Mapping[str, str]) -> Sequence[str]:
         return ["(nothing was seen)"]
     low, high = extent
     scale = max((high[0] - low[0]) / (WIDTH - 1), (high[1] - low[1]) / (ROW * (HEIGHT - 1)), 1e-9)
-    height = int(round((high[1] - low[1]) / (ROW * scale))) + 1
+    height = round((high[1] - low[1]) / (ROW * scale)) + 1
     canvas = np.full((height, WIDTH), " ")
     for key, letter in letters.items():
         points = take.tracks[key].positions

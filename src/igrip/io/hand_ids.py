@@ -17,6 +17,8 @@ _PARTS = frozenset({
     "controller", "marker", "tip",
 })  # fmt: skip
 
+_HAND_WORDS = _PARTS - {"marker", "tip", "index", "controller"}
+
 
 def hand_side(name: str) -> Side | None:
     """Return the side of a hand by its name; None where the name has none.
@@ -36,8 +38,7 @@ def hand_side(name: str) -> Side | None:
 
 def is_hand(name: str) -> bool:
     """Return whether a name is that of a hand or a part of it."""
-    return hand_side(name) is not None or any(word in _PARTS - {"marker", "tip", "index", "controller"}
-                                              for word in _words(name))  # fmt: skip
+    return hand_side(name) is not None or any(word in _HAND_WORDS for word in _words(name))
 
 
 def match_hand(name: str, known: Collection[str]) -> str | None:

@@ -13,7 +13,6 @@ import numpy as np
 from igrip.errors import DatasetError
 from igrip.io.importers import ImportFiles
 from igrip.io.plausibility import Samples, check_samples
-from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
 from igrip.io.takes.roles import hands_of, objects_of
@@ -55,8 +54,9 @@ class Inspection:
     def to_dict(self) -> dict[str, Any]:
         """Return it as JSON."""
         found: dict[str, Any] = {
-            "name": self.name, "path": str(self.path), "layout": self.layout, "dialect": self.dialect,
-            "columns": list(self.columns), "problem": self.problem, "findings": list(self.findings),
+            "name": self.name, "path": str(self.path), "layout": self.layout,
+            "dialect": self.dialect, "columns": list(self.columns), "problem": self.problem,
+            "findings": list(self.findings),
         }  # fmt: skip
         take = self.take
         if take is not None:
@@ -137,7 +137,8 @@ def map_from(inspections: Sequence[Inspection]) -> str:
     take = first.take
     assert take is not None
     lines = [
-        f"# Made from {first.path.name}, {first.layout}. Adapt it, then: igrip import … --columns THIS",
+        f"# Made from {first.path.name}, {first.layout}.",
+        "# Adapt it, then: igrip import FILES --columns THIS --out DATASET",
         'name = "Our lab"',
         f'unit = "{take.frame.length_unit}"  # of lengths: m, dm, cm, mm or in',
     ]
@@ -165,7 +166,11 @@ def map_from(inspections: Sequence[Inspection]) -> str:
             f"body = {json.dumps(key, ensure_ascii=False)}",
             '# model = "025_mug"  # in the catalogue; else that of --mesh',
         ]
-        lines += ['# pivot = "mesh"  # if the body has the origin and axes of the mesh', ""] if turns else [""]
+        lines += (
+            ['# pivot = "mesh"  # if the body has the origin and axes of the mesh', ""]
+            if turns
+            else [""]
+        )
     return "\n".join(lines)
 
 

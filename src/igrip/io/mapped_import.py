@@ -8,10 +8,11 @@ from pathlib import Path
 
 from igrip.errors import DatasetError
 from igrip.io.column_map import TRIALS, ColumnMap
+from igrip.io.column_names import near_miss
 from igrip.io.importers import ImportFiles, ReachReader, RecordedReach
-from igrip.io.mapped_takes import trial_id, takes_in
+from igrip.io.mapped_takes import takes_in, trial_id
 from igrip.io.mapped_trial import TrialReader
-from igrip.io.tables import Table, near_miss
+from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.take import Take
 
@@ -83,7 +84,9 @@ class ColumnMapImporter:
         origin: dict[str, str] = {}
         found = False
         for name, source in files.opened.items():
-            if name == self._map.trials.table or not _matches(name, source, self._map.samples.table):
+            if name == self._map.trials.table or not _matches(
+                name, source, self._map.samples.table
+            ):
                 continue
             found = True
             if isinstance(source, DatasetError):

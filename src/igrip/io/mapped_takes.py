@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ import numpy as np
 from igrip.errors import DatasetError
 from igrip.io.cells.values import known_text
 from igrip.io.column_map import BodyColumns, ColumnMap
+from igrip.io.column_names import near_miss
 from igrip.io.hand_ids import is_hand
-from igrip.io.tables import Table, near_miss
+from igrip.io.tables import Table
 from igrip.io.takes.build import RawBody, build_take
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
@@ -75,7 +77,9 @@ def takes_in(
 
     if samples.trial is None:
         take = built(trial_id(name), None)
-        return {trial_id(name): take if isinstance(take, DatasetError) else _with_hand(take, columns)}
+        return {
+            trial_id(name): take if isinstance(take, DatasetError) else _with_hand(take, columns)
+        }
     groups: dict[str, list[int]] = {}
     for k, text in enumerate(source.texts(source.find(samples.trial))):
         groups.setdefault(trial_id(text), []).append(k)
@@ -104,7 +108,8 @@ def find_body(name: str, take: Take) -> str:
         return name
     known = [key for key in take.tracks if not key.startswith(TRIAL_HAND)]
     raise DatasetError(
-        f"{take.name}: no body {name!r}{near_miss(name, known)}; there are {', '.join(known) or 'none'}"
+        f"{take.name}: no body {name!r}{near_miss(name, known)}; "
+        f"there are {', '.join(known) or 'none'}"
     )
 
 
@@ -114,11 +119,7 @@ def _with_hand(take: Take, columns: ColumnMap) -> Take:
     if body is None or TRIAL_HAND in take.tracks:
         return take
     key = find_body(body, take)
-    tracks = {**take.tracks, TRIAL_HAND: take.tracks[key]}
-    return Take(
-        take.name, take.layout, tracks, take.kinds, take.times, take.interval, take.frame, take.gaps,
-        take.remarks,
-    )  # fmt: skip
+    return replace(take, tracks={**take.tracks, TRIAL_HAND: take.tracks[key]})
 
 
 def _time_column(table: Table, columns: ColumnMap, declared: Declared) -> int | None:

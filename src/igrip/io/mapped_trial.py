@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from igrip.errors import DatasetError
 from igrip.io.cells.values import known_text, number
 from igrip.io.column_map import ColumnMap
+from igrip.io.column_names import near_miss
 from igrip.io.hand_ids import hand_side, match_hand
-from igrip.io.importers import MovingObject, RecordedReach
 from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
 from igrip.io.plausibility import Samples, check_samples, refusal
-from igrip.io.tables import near_miss
+from igrip.io.recorded_reach import MovingObject, RecordedReach
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.roles import hands_of
 from igrip.io.takes.take import Take, Track
@@ -55,9 +55,18 @@ class TrialReader:
     ) -> None:
         self._map, self._declared, self._number = columns, declared, number
         self._row, self._takes, self._take = row, takes, take
-        self._where = f"take {take!r}" if line is None else f"table {columns.trials.table!r}, line {line}"
+        self._where = (
+            f"take {take!r}" if line is None else f"table {columns.trials.table!r}, line {line}"
+        )
 
     def __call__(self) -> RecordedReach:
+        """Return the reach.
+
+        Raises
+        ------
+        DatasetError
+            If it cannot be used; the message names the row and the column.
+        """
         want = self._map.trials
         trial = self._take if self._take is not None else trial_id(self._required(want.trial))
         if trial not in self._takes:
@@ -72,8 +81,8 @@ class TrialReader:
         track = take.tracks[key]
         if not len(track.times):
             raise DatasetError(
-                f"{self._where}: trial {trial!r}: its times do not increase, or are fewer than two: "
-                f"hand {hand!r} was not seen in any of {len(take.times)} samples"
+                f"{self._where}: trial {trial!r}: hand {hand!r} was not seen in any of "
+                f"{len(take.times)} samples, so its times do not increase"
             )
         moving = self._moving(take)
         several = len(take.tracks) > 1
@@ -121,7 +130,8 @@ class TrialReader:
         problem = refusal(findings)
         if problem is not None:
             raise DatasetError(
-                f"{self._where}: {problem} Declare unit or time_unit in the map, or --unit, --time-unit"
+                f"{self._where}: {problem} Declare unit or time_unit in the map, or by --unit, "
+                "--time-unit"
             )
         remarks = [finding.text for finding in findings]
         if take.frame.axes == ("x", "y", "z") and not any(f.kind == "up" for f in findings):
@@ -148,8 +158,8 @@ class TrialReader:
         if named is None:
             choices = ", ".join(hands) or "none"
             raise DatasetError(
-                f'{self._where}: its hand is not known; declare [trials] hand = "=right" or a column '
-                f"(hands of the take: {choices})"
+                f'{self._where}: its hand is not known; declare [trials] hand = "=right" or a '
+                f"column (hands of the take: {choices})"
             )
         if TRIAL_HAND in take.tracks:
             return hand_side(named) or named, TRIAL_HAND
@@ -158,7 +168,8 @@ class TrialReader:
             bodies = ", ".join(key for key in take.tracks if not key.startswith(TRIAL_HAND))
             raise DatasetError(
                 f"{self._where}: hand {named!r} is none of {', '.join(hands) or 'no known hand'}; "
-                f'name its body: [hands.{hand_side(named) or "right"}] body = "…" (bodies: {bodies})'
+                f'name its body: [hands.{hand_side(named) or "right"}] body = "…" '
+                f"(bodies: {bodies})"
             )
         return id, hands[id]
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from array import array
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,18 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.errors import DatasetError, requires_extra
-from igrip.io.cells.lines import Lines, read_lines
+from igrip.io.cells.lines import Lines
 from igrip.io.cells.values import clock_time, date_time, is_time, number
-from igrip.io.layouts import Head, Layout, find_layout, read_head
+from igrip.io.column_names import fitting_columns, near_miss, shortened
+from igrip.io.layouts import Head, Layout, read_head
 from igrip.io.layouts._columns import plain_layout
-from igrip.io.layouts.vicon import SECTIONS
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
-TEXT_ENDINGS = (".csv", ".tsv", ".txt", ".trc")
-TABLE_ENDINGS = (*TEXT_ENDINGS, ".parquet")
 
 
 class Table:
@@ -73,7 +70,7 @@ class Table:
         DatasetError
             If no column fits, or several do; the message names what would.
         """
-        fitting = _fitting(address, self.layout.paths)
+        fitting = fitting_columns(address, self.layout.paths)
         if len(fitting) > 1 and prefer is not None:
             fitting = [k for k in fitting if prefer(self.layout.paths[k])] or fitting
         if len(fitting) == 1:
@@ -84,7 +81,7 @@ class Table:
             raise DatasetError(f"{where}: {address!r} fits several columns: {names}")
         raise DatasetError(
             f"{where} has no column {address!r}{near_miss(address, self.columns)}; "
-            f"it has {_shortened(self.columns)}"
+            f"it has {shortened(self.columns)}"
         )
 
     def numbers(self, columns: Sequence[int], missing: Collection[str] = ()) -> Array:
@@ -113,7 +110,8 @@ class Table:
             if count > 0.5 * len(table):
                 line, cell = first[k]
                 raise DatasetError(
-                    f"{self.path}, line {line}, {self.columns[columns[k]]}: {cell!r:.60} is no number"
+                    f"{self.path}, line {line}, {self.columns[columns[k]]}: "
+                    f"{cell!r:.60} is no number"
                 )
         return table
 
@@ -220,151 +218,6 @@ class FrameTable(Table):
     def frame(self) -> pd.DataFrame:
         """Return the data frame."""
         return self._frame
-
-
-def read_table(path: Path) -> Table:
-    """Read one table.
-
-    Raises
-    ------
-    MissingExtraError
-        If it is Parquet, and pandas or pyarrow are not installed.
-    DatasetError
-        If it cannot be read as a table.
-    """
-    if ending_of(path) == ".parquet":
-        return _read_parquet(path)
-    lines = read_lines(path)
-    tables = [_text_table(path, lines, *part) for part in _parts(lines)]
-    tables.sort(key=lambda table: not table.layout.bodies)  # those that hold bodies first
-    table = tables[0]
-    table.sections = tuple(other for other in tables[1:] if other.layout.bodies)
-    if not table.columns:
-        raise DatasetError(f"{path}: cannot be read as a table: it is empty")
-    return table
-
-
-def find_files(paths: Iterable[Path], endings: Collection[str]) -> dict[str, Path]:
-    """Return the files with one of the endings, by name; a folder stands for the files in it.
-
-    A file is named by its stem, or where several share one, by its path below the folder.
-
-    Raises
-    ------
-    DatasetError
-        If two files have one name.
-    """
-    found: list[tuple[Path, Path]] = []
-    for path in paths:
-        if path.is_dir():
-            inside = sorted(file for file in path.rglob("*") if file.is_file())
-            parts = [(file, file.relative_to(path)) for file in inside]
-            found += [pair for pair in parts if not any(p.startswith(".") for p in pair[1].parts)]
-        else:
-            found.append((path, Path(path.name)))
-    found = [(file, below) for file, below in found if ending_of(file) in endings]
-    stems = [stem_of(file) for file, _ in found]
-    named: dict[str, Path] = {}
-    for (file, below), stem in zip(found, stems, strict=True):
-        name = stem if stems.count(stem) == 1 else (below.parent / stem).as_posix()
-        if name in named:
-            raise DatasetError(f"{file}: two tables are named {name!r}")
-        named[name] = file
-    return named
-
-
-def read_tables(paths: Iterable[Path]) -> dict[str, Table]:
-    """Read tables by name; a folder stands for the tables in it and below.
-
-    Raises
-    ------
-    DatasetError
-        If a file cannot be read as a table, or two have one name.
-    """
-    paths = list(paths)
-    for path in paths:
-        if not path.is_dir() and ending_of(path) not in TABLE_ENDINGS:
-            raise DatasetError(
-                f"{path}: expected a file {', '.join(TABLE_ENDINGS)} or a folder of them"
-            )
-    named = set(paths)
-    tables = {name: read_table(file) for name, file in find_files(paths, TABLE_ENDINGS).items()}
-    # a text file in a folder may be a note
-    return {
-        name: table for name, table in tables.items()
-        if ending_of(table.path) != ".txt" or len(table.columns) > 1 or table.path in named
-    }  # fmt: skip
-
-
-def ending_of(path: Path) -> str:
-    """Return the ending of a file in lower case, without that of its compression."""
-    name = path.name.lower().removesuffix(".gz")
-    return Path(name).suffix
-
-
-def stem_of(path: Path) -> str:
-    """Return the name of a file without its ending and that of its compression."""
-    name = path.name[:-3] if path.name.lower().endswith(".gz") else path.name
-    return Path(name).stem
-
-
-def near_miss(name: str, names: Iterable[str]) -> str:
-    """Return "; did you mean …?" where a name is much like some others, else nothing."""
-    choices = {other.lower(): other for other in names}
-    close = difflib.get_close_matches(name.lower(), choices, n=1, cutoff=0.75)
-    return f"; did you mean {choices[close[0]]!r}?" if close else ""
-
-
-def _fitting(address: str, paths: Sequence[Sequence[str]]) -> list[int]:
-    for joined in "/ _:.":  # as a header with one row writes them
-        exact = [k for k, path in enumerate(paths) if joined.join(path) == address]
-        if exact:
-            return exact
-    wanted = address.split("/")
-    return [
-        k for k, path in enumerate(paths)
-        if path and path[-1] == wanted[-1] and _in_order(wanted, path)
-    ]  # fmt: skip
-
-
-def _in_order(wanted: Sequence[str], path: Sequence[str]) -> bool:
-    parts = iter(path)
-    return all(any(part == want for part in parts) for want in wanted)
-
-
-def _shortened(names: Sequence[str], limit: int = 12) -> str:
-    more = f", … ({len(names)} in all)" if len(names) > limit else ""
-    return ", ".join(names[:limit]) + more
-
-
-def _parts(lines: Lines) -> list[tuple[int, int]]:
-    """Return the parts of a file that are tables of their own: the sections of Vicon's."""
-    starts = []
-    for k in range(len(lines)):
-        line = lines[k]
-        if len(line) < 500 and re.split(r"[,;\t]", line.strip(), maxsplit=1)[0].lower() in SECTIONS:
-            below = " ".join(lines[j] for j in range(k + 1, min(k + 6, len(lines))))
-            if re.search(r"\bframe\b", below, re.IGNORECASE):
-                starts.append(k)
-    if not starts or any(lines[k].strip() for k in range(min(starts[0], len(lines)))):
-        return [(0, len(lines))]
-    return list(zip(starts, [*starts[1:], len(lines)], strict=True))
-
-
-def _text_table(path: Path, lines: Lines, start: int, stop: int) -> TextTable:
-    head = read_head(path, lines, start, stop)
-    return TextTable(head, find_layout(head))
-
-
-def _read_parquet(path: Path) -> FrameTable:
-    with requires_extra("pandas", "tables", "importing Parquet tables"):
-        import pandas as pd
-    with requires_extra("pyarrow", "tables", "importing Parquet tables"):
-        import pyarrow  # noqa: F401 - pandas needs it
-    try:
-        return FrameTable(path, pd.read_parquet(path))
-    except (OSError, ValueError) as error:
-        raise DatasetError(f"{path}: cannot be read as a table: {error}") from error
 
 
 def _named(path: Path, names: Sequence[str]) -> Head:

@@ -40,7 +40,9 @@ def bop_options(path: Path) -> dict[str, Any]:
         try:
             axis = tuple(float(value) for value in continuous[0]["axis"])
         except (KeyError, TypeError, ValueError):
-            raise ObjectsError(f"{info}: object {match[1]}: symmetries_continuous has no axis") from None
+            raise ObjectsError(
+                f"{info}: object {match[1]}: symmetries_continuous has no axis"
+            ) from None
         return options | {"symmetry": "cylinder", "axis": axis}
     if len(_half_turns(entry.get("symmetries_discrete") or [])) >= 3:
         options["symmetry"] = "box"

@@ -26,8 +26,8 @@ PAPER_OBJECTS = (
     "003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser",
 )  # fmt: skip
 _CACHED_BY = (
-    "objects/model.py", "objects/mesh_files.py", "objects/stray_bodies.py", "mesh/bvh.py", "mesh/inscribed_spheres.py",
-    "mesh/ray.py", "mesh/nearest.py",
+    "objects/model.py", "objects/mesh_files.py", "objects/stray_bodies.py", "mesh/bvh.py",
+    "mesh/inscribed_spheres.py", "mesh/ray.py", "mesh/nearest.py",
 )  # fmt: skip
 
 
@@ -147,8 +147,8 @@ def _load_folder(catalog: Catalog, source: str | Path) -> None:
             problems[name] = error
     if names and len(problems) == len(names):
         raise next(iter(problems.values()))
-    for name, error in problems.items():
-        log.warning("left out: %s", error)
+    for name, problem in problems.items():
+        log.warning("left out: %s", problem)
         catalog.leave_out(name)
 
 
@@ -210,9 +210,7 @@ _SCALARS = ("length", "radius")
 _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "inscribed_spheres")
 
 
-def _read_cache(
-    path: Path, mesh: MeshFile | Primitive
-) -> tuple[ObjectModel, list[str]] | None:
+def _read_cache(path: Path, mesh: MeshFile | Primitive) -> tuple[ObjectModel, list[str]] | None:
     """Return a model and what was odd about its file; None where the cache has no whole one."""
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:

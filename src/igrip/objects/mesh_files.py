@@ -152,8 +152,8 @@ def _offers(raw: float, declared: str) -> str:
 
 def _no_mesh(loaded: Any) -> str:
     """Return why a file that was read holds no mesh."""
-    points = getattr(loaded, "vertices", None)
-    if isinstance(loaded, trimesh.PointCloud) or (points is not None and len(points)):
+    points = getattr(loaded, "vertices", ())
+    if len(points):
         return (
             f"holds {len(points)} points and no mesh with faces: make a surface of them first, for "
             "example with the Poisson reconstruction of MeshLab"

@@ -91,7 +91,8 @@ def normal(name: str) -> str:
 def _mesh_files(folder: Path) -> tuple[list[Path], list[Path]]:
     """Return the files that may be meshes, and those whose reader is not installed."""
     available = set(trimesh.available_formats())
-    files, unreadable = [], []
+    files: list[Path] = []
+    unreadable: list[Path] = []
     for path in sorted(folder.rglob("*")):
         ending = path.suffix.lower().lstrip(".")
         hidden = any(part.startswith((".", "__MACOSX")) for part in path.relative_to(folder).parts)
@@ -109,7 +110,9 @@ def _named(folder: Path, files: Iterable[Path]) -> dict[str, list[Path]]:
     names = [name for _, name in groups]
     named: dict[str, list[Path]] = {}
     for (place, name), paths in groups.items():
-        if names.count(name) > 1 and place != folder:  # two objects: tell them apart by their folders
+        if (
+            names.count(name) > 1 and place != folder
+        ):  # two objects: tell them apart by their folders
             name = normal((place.relative_to(folder) / name).as_posix())
         named.setdefault(name, []).extend(paths)
     return named
@@ -178,7 +181,9 @@ def _file_of(
     matching = by_name.get(name) or [path for path in files if normal(path.stem) == name]
     if not matching:
         there = f", but {', '.join(by_name)}" if by_name else ""
-        raise ObjectsError(f"{folder / TABLE}: [{name}] needs a mesh of that name; found none{there}")
+        raise ObjectsError(
+            f"{folder / TABLE}: [{name}] needs a mesh of that name; found none{there}"
+        )
     return min(matching, key=_rank)
 
 
@@ -189,7 +194,8 @@ def _needs(path: Path) -> str:
 
 def _no_mesh(folder: Path, unreadable: list[Path]) -> str:
     if unreadable:
-        return f"{folder}: holds no mesh that can be read: {unreadable[0].name}: {_needs(unreadable[0])}"
+        first = unreadable[0]
+        return f"{folder}: holds no mesh that can be read: {first.name}: {_needs(first)}"
     endings = sorted({p.suffix.lower() or p.name for p in folder.rglob("*") if p.is_file()})
     found = f"; found {', '.join(endings[:10])}" if endings else "; it is empty"
     return f"{folder}: holds no mesh (known: {', '.join(ENDINGS)}){found}"

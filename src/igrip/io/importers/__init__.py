@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from igrip.errors import DatasetError
-from igrip.io.importers._reach import Array, MovingObject, RecordedReach
-from igrip.io.tables import TABLE_ENDINGS, Table, ending_of, read_tables
+from igrip.io.recorded_reach import Array, MovingObject, RecordedReach
+from igrip.io.table_files import TABLE_ENDINGS, ending_of, read_tables
+from igrip.io.tables import Table
 from igrip.io.takes.files import find_take_files, open_file
 from igrip.registry import Registry
 

@@ -37,9 +37,7 @@ class MotionCapture:
     license = "unknown"
     source = "unknown"
 
-    def __init__(
-        self, declared: Declared | None = None, catalog: Container[str] = ()
-    ) -> None:
+    def __init__(self, declared: Declared | None = None, catalog: Container[str] = ()) -> None:
         self._declared = declared or Declared()
         self._catalog = catalog
 
@@ -69,7 +67,8 @@ class MotionCapture:
             )
             if not hands_of(take):
                 raise DatasetError(
-                    f"{take.name}: no body has the name of a hand (bodies: {', '.join(take.tracks)}); "
+                    f"{take.name}: no body has the name of a hand (bodies: "
+                    f"{', '.join(take.tracks)}); "
                     'write a map with [hands.right] body = "…": igrip import --inspect FILE '
                     "--write-map map.toml"
                 )

@@ -19,8 +19,10 @@ OTHER_UNITS = frozenset({
     "s", "sec", "ms", "us", "µs", "hz", "deg", "degrees", "°", "rad", "radians", "px", "n", "v",
     "mm/s", "m/s", "mm/s^2", "m/s^2", "deg/s", "rad/s", "n.mm", "n.m", "quat",
 })  # fmt: skip
-TIMES = frozenset({"t", "time", "times", "timestamp", "time stamp", "seconds", "sec", "time (seconds)",
-                   "time (s)", "time(s)", "time [s]", "time_s", "elapsed time", "elapsed"})  # fmt: skip
+TIMES = frozenset({
+    "t", "time", "times", "timestamp", "time stamp", "seconds", "sec", "time (seconds)", "time (s)",
+    "time(s)", "time [s]", "time_s", "elapsed time", "elapsed",
+})  # fmt: skip
 FRAMES = frozenset({"frame", "frame#", "frame number", "frames", "frame_number", "sample", "index"})
 _COMPONENT = re.compile(
     r"(?P<body>.*?)[\s_.:/|-]*(?:"
@@ -104,11 +106,12 @@ def _first_data(head: Head) -> int:
     numbers = {k: _of_numbers(head.rows[k], decimal) for k in full}
     widths = {k: len(head.rows[k]) for k in full}
     values = {
-        k: {j for j, cell in enumerate(head.rows[k]) if cell and is_value(cell, decimal)} for k in full
+        k: {j for j, cell in enumerate(head.rows[k]) if cell and is_value(cell, decimal)}
+        for k in full
     }
     begin = None
     for same_width in (True, False):
-        for place, k in enumerate(full):
+        for place in range(len(full)):
             after = full[place : place + 3]
             alike = not same_width or len({widths[j] for j in after}) == 1
             if all(numbers[j] for j in after) and alike:
@@ -116,8 +119,10 @@ def _first_data(head: Head) -> int:
                 break
         if begin is not None:
             # rows of data with fewer numbers may stand above
-            while begin and values[full[begin - 1]] & values[full[begin]] and (
-                widths[full[begin - 1]] == widths[full[begin]]
+            while (
+                begin
+                and values[full[begin - 1]] & values[full[begin]]
+                and (widths[full[begin - 1]] == widths[full[begin]])
             ):
                 begin -= 1
             return full[begin]
@@ -150,7 +155,7 @@ def _header(head: Head, index: int) -> tuple[list[list[str]], list[str]]:
 
 def _setting(cells: Sequence[str]) -> bool:
     """Return whether a row is a setting and its value, as ``FREQUENCY 100`` is."""
-    return len(cells) == 2 and cells[0].endswith(":") or cells[0].startswith("sep=")
+    return (len(cells) == 2 and cells[0].endswith(":")) or cells[0].startswith("sep=")
 
 
 def _of_numbers(row: Sequence[str], decimal: str) -> bool:

@@ -34,8 +34,14 @@ def motion_bids(head: Head) -> Layout | None:
     width = next((len(row) for row in head.rows if any(row)), 0)
     if width != len(rows):
         raise DatasetError(f"{head.path}: has {width} columns, {channels.name} names {len(rows)}")
-    named = not any(is_value(cell, head.dialect.decimal) for cell in head.rows[0])  # against the rule
-    units = {UNITS.get(row.get("units", "").lower()) for row in rows if row.get("type", "").upper() == "POS"}
+    named = not any(
+        is_value(cell, head.dialect.decimal) for cell in head.rows[0]
+    )  # against the rule
+    units = {
+        UNITS.get(row.get("units", "").lower())
+        for row in rows
+        if row.get("type", "").upper() == "POS"
+    }
     rate = settings.get("SamplingFrequency")
     missing = settings.get("MissingValues")
     latency = [k for k, row in enumerate(rows) if row.get("type", "").upper() == "LATENCY"]
@@ -90,7 +96,9 @@ def _channels(path: Path) -> list[dict[str, str]]:
     reader = csv.DictReader((lines[k] for k in range(len(lines))), delimiter="\t")
     if not {"name", "component", "type", "tracked_point"} <= set(reader.fieldnames or ()):
         raise DatasetError(f"{path}: needs the columns name, component, type, tracked_point, units")
-    return [{key: (row[key] or "").strip() for key in row if isinstance(key, str)} for row in reader]
+    return [
+        {key: (row[key] or "").strip() for key in row if isinstance(key, str)} for row in reader
+    ]
 
 
 def _settings(path: Path) -> Mapping[str, Any]:

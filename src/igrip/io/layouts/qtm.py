@@ -2,8 +2,8 @@
 
 With its header, the file begins with settings, one a line (docs.qualisys.com, "Motion data
 (.tsv)"). A rigid body has X, Y, Z, Roll, Pitch, Yaw, Residual and the rotation matrix, column by
-column, as Rot[0] to Rot[8]. Roll, pitch and yaw turn about the body's own x, y and z axes ("Rotation
-angles in QTM"). Lengths are millimetres; zeros stand for a body that was lost.
+column, as Rot[0] to Rot[8]. Roll, pitch and yaw turn about the body's own x, y and z axes
+("Rotation angles in QTM"). Lengths are millimetres; zeros stand for a body that was lost.
 """
 
 from __future__ import annotations
@@ -76,7 +76,9 @@ def _layout(
             paths.append((current, cell.split()[-1]) if current != cell else (cell,))
         else:
             paths.append((cell or f"column {k + 1}",))
-    bodies = [_body(name, found) for name, found in columns.items() if {"x", "y", "z"} <= set(found)]
+    bodies = [
+        _body(name, found) for name, found in columns.items() if {"x", "y", "z"} <= set(found)
+    ]
     lowered = [cell.lower() for cell in header]
     return Layout(
         name=f"Qualisys QTM TSV ({'6D' if any(b.rotation for b in bodies) else '3D'})",

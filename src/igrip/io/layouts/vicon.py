@@ -45,7 +45,11 @@ def vicon(head: Head) -> Layout | None:
         columns.setdefault(name, {}).setdefault(part.lower(), k)
         paths.append((name, part))
     kind = SECTIONS[title.lower()]
-    bodies = [body for name, found in columns.items() if kind and (body := _body(name, kind, found, units))]
+    bodies = [
+        body
+        for name, found in columns.items()
+        if kind and (body := _body(name, kind, found, units))
+    ]
     lengths = {UNITS[cell.lower()] for cell in units if cell.lower() in UNITS}
     first = axes + 1 + (not _number(units[0]) if units else 0)
     return Layout(

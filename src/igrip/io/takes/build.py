@@ -102,7 +102,9 @@ def build_take(
                 notes.append(f"{key}: {found.rounded} quaternions were rounded and normalised")
             if turned.any():
                 if (good & ~turned).any():
-                    notes.append(f"{key}: {int((good & ~turned).sum())} rows without a rotation left out")
+                    notes.append(
+                        f"{key}: {int((good & ~turned).sum())} rows without a rotation left out"
+                    )
                 good &= turned
                 turns = frame.orientations(_as_ordered(found.values, frame))[good]
             else:

@@ -70,9 +70,8 @@ def read_c3d(name: str, path: Path, declared: Declared) -> Take:
     layout = Layout("C3D", 0, 0, (), length_unit=UNITS.get(unit.lower(), "mm"), time_unit="s")
     frames = np.arange(points.shape[2])
     frame = (Declared(time_unit="s") | declared).frame(layout)
-    return build_take(
-        name, "C3D", frames / rate, (frames + first + 1).tolist(), bodies, frame, zero_is_missing=True
-    )  # fmt: skip
+    numbers = (frames + first + 1).tolist()
+    return build_take(name, "C3D", frames / rate, numbers, bodies, frame, zero_is_missing=True)
 
 
 def _labels(settings: Any) -> list[str]:

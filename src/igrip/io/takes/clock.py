@@ -67,7 +67,9 @@ def repair_times(
     rows = np.flatnonzero(np.isfinite(times))
     if len(rows) < len(times):
         first = lines[int(np.flatnonzero(~np.isfinite(times))[0])]
-        remarks.append(f"{len(times) - len(rows)} rows without a time left out, first in line {first}")
+        remarks.append(
+            f"{len(times) - len(rows)} rows without a time left out, first in line {first}"
+        )
     kept = times[rows].astype(np.float64)
     if of_day:
         kept = kept + DAY * np.cumsum(np.diff(kept, prepend=kept[:1]) < -0.5 * DAY)
@@ -82,8 +84,10 @@ def repair_times(
         raise DatasetError("its times do not increase, or are fewer than two")
     interval = float(np.median(usual))
     for k in back:
-        remarks.append(f"the clock steps back by {-steps[k]:.4g} s in line {lines[rows[k + 1]]}; it "
-                       "goes on with its usual step")  # fmt: skip
+        line = lines[rows[k + 1]]
+        remarks.append(
+            f"the clock steps back by {-steps[k]:.4g} s in line {line}; it goes on as before"
+        )
         steps[k] = interval
     for k in np.flatnonzero(steps > max(MIN_JUMP, JUMP_FACTOR * interval)):
         jump = f"by {steps[k]:.4g} s in line {lines[rows[k + 1]]}"
@@ -98,15 +102,15 @@ def repair_times(
         new = np.concatenate([[0.0], np.cumsum(steps)])
     equal = np.flatnonzero(np.diff(new) == 0)
     if len(equal):
-        remarks.append(f"{len(equal)} equal times merged, first in line {lines[rows[equal[0] + 1]]}")
+        remarks.append(
+            f"{len(equal)} equal times merged, first in line {lines[rows[equal[0] + 1]]}"
+        )
         keep = np.concatenate([[True], np.diff(new) > 0])
         new, rows = new[keep], rows[keep]
     return RepairedTimes(new, rows, interval, remarks)
 
 
-def _moves_on(
-    positions: Sequence[Array], rows: NDArray[np.intp], k: int, interval: float
-) -> bool:
+def _moves_on(positions: Sequence[Array], rows: NDArray[np.intp], k: int, interval: float) -> bool:
     """Return whether a body that moves makes no jump where the clock does."""
     if k < 1 or k + 2 >= len(rows):
         return False

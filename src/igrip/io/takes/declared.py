@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,5 +63,5 @@ class Declared:
 
     def __or__(self, other: Declared) -> Declared:
         """Return these declarations, and where there is none, those of another."""
-        mine: Mapping[str, Any] = {key: value for key, value in vars(self).items() if value}
+        mine: dict[str, Any] = {key: value for key, value in vars(self).items() if value}
         return Declared(**(vars(other) | mine))

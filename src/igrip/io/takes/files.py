@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from igrip.io.tables import TABLE_ENDINGS, Table, ending_of, find_files, read_table
+from igrip.io.table_files import TABLE_ENDINGS, ending_of, find_files, read_table
+from igrip.io.tables import Table
 from igrip.io.takes.c3d import is_c3d, read_c3d
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.tables import take_of

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.errors import DatasetError
+from igrip.io.column_names import shortened
 from igrip.io.layouts import BodyColumns
 from igrip.io.tables import Table
 from igrip.io.takes.build import RawBody, build_take
@@ -29,7 +30,7 @@ def take_of(name: str, table: Table, declared: Declared) -> Take:
     layout = table.layout
     if not layout.bodies:
         raise DatasetError(
-            f"{table.path}: no columns of x, y and z were found; it has {', '.join(table.columns[:12])}"
+            f"{table.path}: no columns of x, y and z were found; it has {shortened(table.columns)}"
         )
     times, of_day = times_of(table, declared)
     bodies = raw_bodies(table, layout.bodies, declared)
@@ -45,7 +46,8 @@ def take_of(name: str, table: Table, declared: Declared) -> Take:
         frame = (declared | Declared(time_unit="s")).frame(layout)
         times = times / frame.seconds
     return build_take(
-        name, layout.name, times, table.lines(), bodies, frame, layout.zero_is_missing, of_day, remarks,
+        name, layout.name, times, table.lines(), bodies, frame, layout.zero_is_missing, of_day,
+        remarks,
     )  # fmt: skip
 
 
@@ -66,7 +68,8 @@ def times_of(table: Table, declared: Declared, column: int | None = None) -> tup
     rate = declared.rate or layout.rate
     if rate is None or not 0 < rate <= MAX_RATE:
         raise DatasetError(
-            f"{table.path}: has no column of times and no rate; declare rate = … (frames per second)"
+            f"{table.path}: has no column of times and no rate; declare rate = … (frames per "
+            "second), or --input-rate"
         )
     if layout.frame is None:
         return np.arange(len(table.lines())) / rate, False

@@ -37,8 +37,8 @@ def upright_remark(hand: Array, objects: Sequence[Array]) -> str | None:
         other = spans[1 - axis]
         if spans[axis] < MAX_HEIGHT and other > MIN_SPAN:
             return (
-                f"everything stays within {spans[axis]:.2f} m along {name} and spans {spans[2]:.2f} m "
-                f'along z: if {name} points up, declare up = "{name}"'
+                f"everything stays within {spans[axis]:.2f} m along {name} and spans "
+                f'{spans[2]:.2f} m along z: if {name} points up, declare up = "{name}"'
             )
     return None
 

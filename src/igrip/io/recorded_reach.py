@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.errors import DatasetError
-from igrip.io.tables import near_miss
+from igrip.io.column_names import near_miss
 from igrip.io.takes.take import Track
 
 Array = NDArray[np.float64]
