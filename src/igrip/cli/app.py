@@ -51,6 +51,9 @@ COMMANDS = {
         "see it.",
     ),
     "import": Command("importing:import_tables", "Turn motion-capture tables into a dataset."),
+    "check": Command(
+        "check:check", "Check a dataset: every trial, its recording, hand, target and models."
+    ),
     "bench": Command("bench:bench", "Measure the speed of the estimator on this machine."),
     "doctor": Command("doctor:doctor", "Show what is installed and whether the core works."),
     "grips": Command("grips:grips", "Show from which height on each object is pinched."),

@@ -108,6 +108,7 @@ class TrialReader:
             other_hands={id: take.tracks[k] for id, k in hands.items() if k != key and id != hand},
             onset_s=self._number_of(want.onset_s),
             end_s=self._number_of(want.end_s),
+            lost=track.lost - begin,
             duration=float(take.times[-1]) if several else None,
             remarks=remarks,
             converted_from=None if take.frame.is_default else take.frame.to_dict(),

@@ -68,6 +68,8 @@ class RecordedReach:
         Further hands.
     onset_s, end_s : float or None
         Of the movement, where they are known [s].
+    lost : (m,)
+        When the hand was looked for and not seen [s].
     duration : float or None
         Length of the recording [s]; by default until the hand's last sample.
     remarks : sequence of str
@@ -98,6 +100,7 @@ class RecordedReach:
     other_hands: Mapping[str, Track] = field(default_factory=dict)
     onset_s: float | None = None
     end_s: float | None = None
+    lost: Array = field(default_factory=lambda: np.zeros(0))
     duration: float | None = None
     remarks: Sequence[str] = ()
     converted_from: Mapping[str, Any] | None = None

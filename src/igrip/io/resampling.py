@@ -18,6 +18,7 @@ from igrip.observation import Observation
 from igrip.settings import Settings, quantity
 
 MAX_UPSAMPLING = 100.0  # observations of the dataset for each sample of the recording
+Gap = NDArray[np.bool_]
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -52,7 +53,12 @@ def resample(reach: RecordedReach, catalog: Catalog, options: ImportOptions) -> 
     moving = int(np.floor(length + 1e-6)) + 1
     since_onset = np.arange(-rest, moving) / options.rate
     points = _interpolated(since_onset, reach.times, reach.positions)
-    in_gap = _in_gap(since_onset, reach.times, reach.movement_only)
+    interval = float(np.median(np.diff(reach.times)))
+    if reach.movement_only:
+        in_gap = _in_gap(since_onset, reach.times)
+    else:
+        hand = Track(reach.times, reach.positions, lost=reach.lost)
+        in_gap = hand.in_gap(since_onset, interval, options.rate)
     # seeded by the name, so that a reach is the same whichever others are imported
     random = np.random.default_rng([options.seed, zlib.crc32(reach.name.encode())])
     points += random.normal(0.0, 1.0, points.shape) * options.noise
@@ -65,13 +71,19 @@ def resample(reach: RecordedReach, catalog: Catalog, options: ImportOptions) -> 
             orientation=UPRIGHT,
             static=True,
         )
-    interval = float(np.median(np.diff(reach.times)))
+    lost = {
+        id: track.in_gap(since_onset, interval, options.rate)
+        for id, track in [
+            *reach.other_hands.items(),
+            *((id, moved.track) for id, moved in reach.moving_objects.items()),
+        ]
+    }
     tracked = {
-        id: _poses(since_onset, moved, catalog[reach.models.get(id, options.mesh)], interval)
+        id: _poses(since_onset, moved, catalog[reach.models.get(id, options.mesh)], lost[id])
         for id, moved in reach.moving_objects.items()
     }
     others = {
-        id: _points(since_onset, track, interval, random, options.noise)
+        id: _points(since_onset, track, lost[id], random, options.noise)
         for id, track in reach.other_hands.items()
     }
     return [
@@ -89,7 +101,7 @@ def _interpolated(times: Array, samples: Array, values: Array) -> Array:
     return np.stack([np.interp(times, samples, values[:, axis]) for axis in range(3)], axis=1)
 
 
-def _in_gap(times: Array, samples: Array, rest_before: bool) -> NDArray[np.bool_]:
+def _in_gap(times: Array, samples: Array) -> NDArray[np.bool_]:
     """Return which times lie in gaps: no sample within 1.5 of the median interval.
 
     Interpolation over a gap would show an estimator where the hand is going to reappear. The rest
@@ -98,18 +110,17 @@ def _in_gap(times: Array, samples: Array, rest_before: bool) -> NDArray[np.bool_
     after = np.clip(np.searchsorted(samples, times), 1, len(samples) - 1)
     distance = np.minimum(np.abs(times - samples[after - 1]), np.abs(samples[after] - times))
     gap: NDArray[np.bool_] = distance > MAX_INTERVAL_FACTOR * np.median(np.diff(samples))
-    return gap & (times > samples[0]) if rest_before else gap
+    return gap & (times > samples[0])
 
 
 def _points(
-    times: Array, track: Track, interval: float, random: np.random.Generator, noise: float
+    times: Array, track: Track, gap: Gap, random: np.random.Generator, noise: float
 ) -> list[dict[str, list[float]] | None]:
     """Return the positions of a further hand, None where it was lost."""
     if not len(track.times):
         return [None] * len(times)
     points = _interpolated(times, track.times, track.positions)
     points += random.normal(0.0, 1.0, points.shape) * noise
-    gap = track.in_gap(times, interval)
     return [
         None if lost else {"position": point}
         for lost, point in zip(gap, points.tolist(), strict=True)
@@ -117,7 +128,7 @@ def _points(
 
 
 def _poses(
-    times: Array, moved: MovingObject, model: ObjectModel, interval: float
+    times: Array, moved: MovingObject, model: ObjectModel, gap: Gap
 ) -> list[ObjectPose | None]:
     """Return the poses of a tracked object's mesh, None where it was lost."""
     track = moved.track
@@ -132,7 +143,6 @@ def _poses(
             turns = Slerp(track.times, Rotation.from_quat(track.orientations))(within).as_quat()
     if moved.pivot == "middle":
         points = points - Rotation.from_quat(turns).apply(model.origin)
-    gap = track.in_gap(times, interval)
     name = model.name
     return [
         None if lost else ObjectPose(model=name, position=tuple(point), orientation=tuple(turn))

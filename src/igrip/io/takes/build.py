@@ -109,7 +109,7 @@ def build_take(
                 turns = frame.orientations(_as_ordered(found.values, frame))[good]
             else:
                 notes.append(f"{key}: has no rotation that can be used")
-        tracks[key] = Track(clock.times[good], positions[good], turns)
+        tracks[key] = Track(clock.times[good], positions[good], turns, clock.times[~good])
         gaps[key] = int((~good).sum())
     return Take(
         name, layout, tracks, {key: body.kind for key, body in bodies.items()}, clock.times,

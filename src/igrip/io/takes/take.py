@@ -27,6 +27,8 @@ class Track:
         Where [m].
     orientations : (n, 4) or None
         World-from-body rotations, unit quaternions x, y, z, w; None for a marker.
+    lost : (m,)
+        When it was looked for and not seen [s].
 
     Raises
     ------
@@ -37,6 +39,7 @@ class Track:
     times: Array
     positions: Array
     orientations: Array | None = None
+    lost: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.times).all() or not (np.diff(self.times) > 0).all():
@@ -50,22 +53,25 @@ class Track:
         ):
             raise DatasetError("the orientations of a track are not unit quaternions")
 
-    def in_gap(self, times: Array, interval: float) -> NDArray[np.bool_]:
-        """Return which times lie in gaps: no sample within 1.5 intervals [s].
+    def in_gap(self, times: Array, interval: float, rate: float) -> NDArray[np.bool_]:
+        """Return which times of a new rate [Hz] lie in gaps.
 
-        Interpolation over a gap would show an estimator where the body is going to reappear.
+        There, no sample is within 1.5 of the recording's intervals [s]; or none within half a new
+        interval, and the body is known to be lost at the nearest time. Interpolation over a gap
+        would show an estimator where the body is going to reappear.
         """
-        if not len(self.times):
-            return np.ones(len(times), dtype=bool)
-        after = np.clip(np.searchsorted(self.times, times), 1, max(1, len(self.times) - 1))
-        before = np.abs(times - self.times[after - 1])
-        behind = np.abs(self.times[np.minimum(after, len(self.times) - 1)] - times)
-        gap: NDArray[np.bool_] = np.minimum(before, behind) > MAX_INTERVAL_FACTOR * interval
-        return gap
+        seen, lost = _distance(times, self.times), _distance(times, self.lost)
+        half = 0.5 / rate * (1.0 + 1e-6)
+        return (seen > MAX_INTERVAL_FACTOR * interval) | ((lost < seen) & (seen > half))
 
-    def shifted(self, seconds: float) -> Track:
-        """Return the track with another origin of time [s]."""
-        return Track(self.times + seconds, self.positions, self.orientations)
+
+def _distance(times: Array, samples: Array) -> Array:
+    """Return the distance of each time to the nearest sample; infinite without any."""
+    if not len(samples):
+        return np.full(len(times), np.inf)
+    after = np.searchsorted(samples, times)
+    before = np.abs(times - samples[np.clip(after - 1, 0, None)])
+    return np.minimum(before, np.abs(samples[np.clip(after, None, len(samples) - 1)] - times))
 
 
 @dataclass(frozen=True)

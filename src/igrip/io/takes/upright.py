@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,4 +53,4 @@ def with_upright_axes(track: Track, frame: DeclaredFrame) -> Track:
     if track.orientations is None or frame.left_handed:
         return track
     turns = Rotation.from_quat(track.orientations) * Rotation.from_matrix(frame.matrix).inv()
-    return Track(track.times, track.positions, np.asarray(turns.as_quat()))
+    return replace(track, orientations=np.asarray(turns.as_quat()))
