@@ -71,19 +71,18 @@ def resample(reach: RecordedReach, catalog: Catalog, options: ImportOptions) -> 
             orientation=UPRIGHT,
             static=True,
         )
-    lost = {
-        id: track.in_gap(since_onset, interval, options.rate)
-        for id, track in [
-            *reach.other_hands.items(),
-            *((id, moved.track) for id, moved in reach.moving_objects.items()),
-        ]
-    }
+
+    def gap(track: Track) -> Gap:
+        return track.in_gap(since_onset, interval, options.rate)
+
     tracked = {
-        id: _poses(since_onset, moved, catalog[reach.models.get(id, options.mesh)], lost[id])
+        id: _poses(
+            since_onset, moved, catalog[reach.models.get(id, options.mesh)], gap(moved.track)
+        )
         for id, moved in reach.moving_objects.items()
     }
     others = {
-        id: _points(since_onset, track, lost[id], random, options.noise)
+        id: _points(since_onset, track, gap(track), random, options.noise)
         for id, track in reach.other_hands.items()
     }
     return [
