@@ -57,6 +57,11 @@ class Observation:
     ----------
     unknown_fields : int
         How many fields of the message were not known and left out.
+    not_seen : mapping of str to str
+        Why hands and objects that the message holds are taken as not detected, by path
+        (``hands.right``); see :meth:`annotated`.
+    invalid : str or None
+        Why none of its measurements may be used; None: they may.
 
     Raises
     ------
@@ -69,6 +74,8 @@ class Observation:
     objects: Mapping[str, ObjectPose | None]
     schema: str
     unknown_fields: int = field(compare=False)
+    not_seen: Mapping[str, str] = field(compare=False)
+    invalid: str | None = field(compare=False)
 
     def __init__(
         self,
@@ -94,6 +101,29 @@ class Observation:
         put(self, "objects", MappingProxyType(known_objects))
         put(self, "schema", SCHEMA)
         put(self, "unknown_fields", len(unknown) + extra_hands + extra_objects)
+        put(self, "not_seen", _EMPTY)
+        put(self, "invalid", None)
+
+    def annotated(
+        self, not_seen: Mapping[str, str] | None = None, invalid: str | None = None
+    ) -> Observation:
+        """Return the same message with what an edge found out about it; it is not written.
+
+        Parameters
+        ----------
+        not_seen : mapping of str to str, optional
+            Why entities of the message are taken as not detected, by path.
+        invalid : str, optional
+            Why none of its measurements may be used, such as a clock that was just set.
+        """
+        copy = object.__new__(Observation)
+        for name in self.__slots__:
+            object.__setattr__(copy, name, getattr(self, name))
+        if not_seen is not None:
+            object.__setattr__(copy, "not_seen", MappingProxyType(dict(not_seen)))
+        if invalid is not None:
+            object.__setattr__(copy, "invalid", invalid)
+        return copy
 
     @property
     def is_tick(self) -> bool:

@@ -78,12 +78,21 @@ class Tracker:
         if observation.hands.keys() - self.hands or observation.objects.keys() - self.objects:
             self._advance(now)  # room is made by forgetting stale tracks
         self.counts["unknown_fields"] += observation.unknown_fields
-        self._update_objects(observation)
+        if observation.invalid is None:
+            self._update_objects(observation)
         measured = []
         for id, hand in sorted(observation.hands.items()):
-            if hand is None or (track := self._hand(id, observation)) is None:
+            if hand is None:
+                if id in self.hands:
+                    self.hands[id].miss(observation.not_seen.get(f"hands.{id}"))
                 continue
-            if track.update(now, hand):
+            track = self._hand(id, observation)
+            if track is None:
+                continue
+            if observation.invalid is not None:
+                track.reject(now, observation.invalid)
+                measured.append(track)
+            elif track.update(now, hand):
                 measured.append(track)
         self._find_coincident_hands(measured)
         self._advance(now)
@@ -113,7 +122,7 @@ class Tracker:
         for id, pose in sorted(observation.objects.items()):
             if pose is None:
                 if id in self.objects:
-                    self.objects[id].miss(observation.t)
+                    self.objects[id].miss(observation.t, observation.not_seen.get(f"objects.{id}"))
                 continue
             track = self._object(id, pose, observation)
             if track is None:

@@ -120,10 +120,18 @@ def test_what_stands_for_missing():
     assert missing_rows(rows).tolist() == expected
 
 
-def test_a_lone_zero_is_missing_only_away_from_the_rest():
-    away, near = [[0.2, 0.3, 0.1]] * 3, [[0.0, 0.01, 0.0], [0.0, 0.4, 0.0]]
-    assert missing_rows([*away, [0, 0, 0], *away])[3]
-    assert not missing_rows([[0, 0, 0], *near]).any()
+def test_zeros_are_missing_only_away_from_the_rest():
+    away = np.array([0.2, 0.3, 0.1]) + 0.01 * np.arange(4)[:, None]
+    for count in (1, 2, 10):
+        zeros = np.zeros((count, 3))
+        for rows in ([away, zeros, away], [zeros, away], [away, zeros]):
+            joined = np.concatenate(rows)
+            assert missing_rows(joined).tolist() == (joined == 0.0).all(axis=1).tolist()
+
+
+def test_a_movement_may_begin_and_end_at_the_origin():
+    rest, reach = np.zeros((30, 3)), 0.01 * np.arange(1, 40)[:, None] * [0.0, 1.0, 0.1]
+    assert not missing_rows(np.concatenate([rest, reach, reach[::-1], rest])).any()
 
 
 def test_an_object_may_stand_at_the_origin():

@@ -42,11 +42,7 @@ def test_commands_and_the_methods_that_they_call(action, method):
     [
         ('{"control": "close", "hand": "left"}', "control"),
         ('{"control": "veto", "hand": 7}', "hand"),
-        (json.dumps({"t": 1, "hands": {f"h{k}": None for k in range(33)}}), "hands"),
-        (json.dumps({"t": 1, "objects": {f"o{k}": None for k in range(513)}}), "objects"),
-        (json.dumps({"t": 1, "objects": {"x" * 129: None}}), "objects"),
         ('{"t": NaN}', "t"),
-        ('{"t": 1, "hands": {"right": {"position": [0, 0]}}}', "hands.right.position"),
         ("[" * 100_000, "message"),
         (b"\x91" * 100_000, "message"),
         ('{"t":1,"x":' * 20_000, "message"),
@@ -60,6 +56,22 @@ def test_malformed_messages_name_the_field(data, field):
     with pytest.raises(ObservationError) as caught:
         decode(data)
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("message", "path", "kept"),
+    [
+        ({"hands": {f"h{k}": None for k in range(33)}}, "hands.h32", 32),
+        ({"objects": {f"o{k}": None for k in range(513)}}, "objects.o512", 512),
+        ({"objects": {"x" * 129: None, "mug": None}}, "objects", 1),
+        ({"hands": {"right": {"position": [0, 0]}, "left": None}}, "hands.right", 2),
+    ],
+)
+def test_what_is_wrong_with_an_entity_costs_that_entity(message, path, kept):
+    defects = []
+    observation = decode(json.dumps({"t": 1} | message), defects=defects)
+    assert [defect.path for defect in defects] == [path]
+    assert len(observation.hands) + len(observation.objects) == kept
 
 
 def test_a_veto_that_names_no_hand_is_for_all():

@@ -44,3 +44,18 @@ Token = Annotated[
     typer.Option(envvar="IGRIP_TOKEN", help="Required of clients; needed where others can reach "
                  "the address."),
 ]  # fmt: skip
+
+Up = Annotated[
+    str | None, typer.Option(help="The source's axis that points up: z (default), y, -z, …")
+]
+Axes = Annotated[
+    str | None,
+    typer.Option(help="x, y and z of igrip in terms of the source's axes, such as x,-z,y; in "
+                 "place of --up."),
+]  # fmt: skip
+Handedness = Annotated[
+    str | None, typer.Option(help="Of the source's axes: right (default) or left.")
+]
+Quaternions = Annotated[str, typer.Option(help="Order of their components: xyzw or wxyz.")]
+LengthUnit = Annotated[str, typer.Option(help="Of the source: m, dm, cm, mm or in.")]
+TimeUnit = Annotated[str, typer.Option(help="Of the source: s, ms, us or ns.")]

@@ -9,10 +9,11 @@ import typer
 
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
-from igrip.cli.console import errors, until_interrupted
+from igrip.cli.console import errors, until_interrupted, warn
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
+from igrip.io.frames import DeclaredFrame
 from igrip.objects.catalog import load_objects
 from igrip.runtime.clock_sync import ArrivalClock, SenderClock
 from igrip.runtime.inputs import INPUTS
@@ -52,15 +53,24 @@ def stream(
                      help="Whether time is that of the sender (a recording that is piped in; the "
                      "default with stdin alone) or that of arrival."),
     ] = None,
+    up: options.Up = None,
+    axes: options.Axes = None,
+    handedness: options.Handedness = None,
+    quaternions: options.Quaternions = "xyzw",
+    length_unit: options.LengthUnit = "m",
+    time_unit: options.TimeUnit = "s",
 ) -> None:  # fmt: skip
     """Receive observations from other programs and send them intentions, until Ctrl-C.
 
     WebSocket: observations to ws://HOST:PORT/observations, intentions from /intentions (JSON, or
     MessagePack with ?format=msgpack), counts at http://HOST:PORT/status. Messages: docs/stream.md.
 
+    Data of another frame or other units are converted: --up y --length-unit mm.
+
     Example: igrip stream --in stdin --out stdout < reach.jsonl
     """
-    shared = Options(host, port, token, name, tuple(assisted or HANDS))
+    frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
+    shared = Options(host, port, token, name, tuple(assisted or HANDS), frame)
     members = {key: INPUTS.get(key)(shared) for key in inputs or ["ws"]}
     outlets = {key: OUTPUTS.get(key)(shared) for key in outputs or ["ws"]}
     piped = len(members) == 1 and all(member.single_sender for member in members.values())
@@ -78,7 +88,7 @@ def stream(
     by_sender = piped if senders_clock is None else senders_clock
     loop = Loop(
         Estimator(catalog, config), SenderClock() if by_sender else ArrivalClock(), members,
-        outlets, piped, announce=lambda address: errors.print(address, soft_wrap=True),
+        outlets, piped, announce=lambda address: errors.print(address, soft_wrap=True), warn=warn,
     )  # fmt: skip
 
     def stop_without_receivers(intentions: list[Intention]) -> None:
@@ -91,6 +101,8 @@ def stream(
     except BrokenPipeError:
         errors.print("nobody reads standard output any more")
     finally:
+        for line in loop.senders.lines():
+            warn(line)
         errors.print(_summary(loop.status()), soft_wrap=True)
 
 

@@ -1,67 +1,15 @@
-"""Recordings on disk: opened for reading, or written so that a failure costs little."""
+"""Recordings on disk, written so that a failure costs little."""
 
 from __future__ import annotations
 
-import logging
 import os
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import Any, BinaryIO, Self
+from typing import Any, Self
 
-from igrip.errors import ObservationError, RecordingError
+from igrip.errors import RecordingError
 from igrip.intention import Intention
 from igrip.observation import Observation
-
-log = logging.getLogger(__name__)
-
-
-class RecordingReader:
-    """A recording on disk; the base of its readers.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Attributes
-    ----------
-    cut : str or None
-        Where the file was cut off (a full disk, a killed recorder), after an iteration.
-
-    Raises
-    ------
-    RecordingError
-        If there is no such file; while iterating, if it cannot be read or is damaged. The message
-        names the place in the file.
-    """
-
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self.cut: str | None = None
-        if not self.path.exists() or self.path.is_dir():
-            problem = "is a folder" if self.path.is_dir() else "no such file"
-            raise RecordingError(f"{self.path}: {problem}")
-
-    def open(self) -> BinaryIO:
-        """Open the file from its beginning."""
-        self.cut = None
-        try:
-            return self.path.open("rb")
-        except OSError as error:
-            raise RecordingError(f"{self.path}: {error.strerror or error}") from error
-
-    def note_cut(self, place: str) -> None:
-        """Set :attr:`cut` and log it as a warning."""
-        self.cut = f"{self.path}: cut off {place}"
-        log.warning(self.cut)
-
-
-def decode(data: bytes, not_before: float) -> Observation:
-    """Return the observation of one JSON text, whose time is at least ``not_before`` [s]."""
-    observation = Observation.from_json(data)
-    if observation.t < not_before:
-        raise ObservationError("t", f"decreased from {not_before!r} to {observation.t!r}")
-    return observation
 
 
 class RecordingWriter(ABC):

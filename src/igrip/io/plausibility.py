@@ -32,6 +32,7 @@ MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 
 MESSAGES_PER_SAMPLE = 20
 MIN_SAMPLES = 5  # fewer show nothing
 REPEATED_SHARE = 0.5  # of positions that repeat the one before, bit for bit
+MAX_STEP_RATIO = 5.0  # of a jump to 0 0 0 to the larger steps of a movement, at least
 ALIGNED = math.cos(math.radians(10.0))
 
 
@@ -46,11 +47,15 @@ class Finding(NamedTuple):
         ``interval``, ``length``, ``extent``, ``speed``, ``size``, ``missing``, ``repeats``, ``up``.
     text : str
         For the user; it names the unit or frame that would fit.
+    fix : 2 str, optional
+        The argument of :meth:`igrip.io.frames.DeclaredFrame.declare` that would mend it, and its
+        value.
     """
 
     verdict: Literal["refuse", "remark"]
     kind: str
     text: str
+    fix: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,12 @@ class Samples:
     times: Array
     positions: Array
     orientations: Array | None = None
+
+
+def options_that_fix(findings: Iterable[Finding]) -> str:
+    """Return the options of a command line that would mend findings, such as ``--up y``."""
+    fixes = dict(finding.fix for finding in findings if finding.fix is not None)
+    return " ".join(f"--{word.replace('_', '-')} {value}" for word, value in fixes.items())
 
 
 def refusal(findings: Iterable[Finding]) -> str | None:
@@ -114,7 +125,8 @@ def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
     text = f"steps of {_number(step)} s" + _question("are these", fits)
     if not fits and step > SLOW_INTERVAL:
         text += ": igrip follows motion from about 10 samples a second on"
-    return [Finding("refuse" if refused else "remark", "interval", text)]
+    verdict: Literal["refuse", "remark"] = "refuse" if refused else "remark"
+    return [Finding(verdict, "interval", text, _fix("time_unit", fits))]
 
 
 def check_length(times: ArrayLike, rate: float) -> list[Finding]:
@@ -139,10 +151,11 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
 
     ``unit`` is that of the source, which they were converted from.
     """
-    findings, everything = [], []
+    findings: list[Finding] = []
+    everything = []
     for id, given in positions.items():
         points = _finite_rows(given)
-        if not len(points):
+        if len(points) < MIN_SAMPLES:
             continue
         everything.append(points)
         # the bulk of it: a few stray points are no matter of the unit
@@ -154,16 +167,16 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
             continue
         fits = _fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
         text = f"{id} {words} {_number(size)} m{'' if size is span else ' from the origin'}"
-        findings.append(Finding("refuse", "extent", text + _question("are its positions in", fits)))
+        text += _question("are its positions in", fits)
+        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
     if findings or not everything:
         return findings
     points = np.concatenate(everything)
     span = float(np.max(np.ptp(points, axis=0)))
-    several = len(everything) > 1 and len(points) >= MIN_SAMPLES
-    if several and 0.0 < span < MIN_EXTENT:
+    if len(everything) > 1 and 0.0 < span < MIN_EXTENT:
         fits = _fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
         text = f"the whole scene spans {_number(span)} m" + _question("are positions in", fits)
-        findings.append(Finding("refuse", "extent", text))
+        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
     return findings
 
 
@@ -176,7 +189,7 @@ def check_sizes(extents: Mapping[str, ArrayLike], unit: str = "m") -> list[Findi
             continue
         fits = _fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
         text = f"{name} is {_number(size)} m long" + _question("is it in", fits)
-        findings.append(Finding("refuse", "size", text))
+        findings.append(Finding("refuse", "size", text, _fix("length_unit", fits)))
     return findings
 
 
@@ -197,26 +210,26 @@ def check_up(
         up = np.array(axes)
         if (up[:, 2] < -ALIGNED).all():
             text = "every object hangs upside down: does z point down (up = -z)?"
-            return [Finding("remark", "up", text)]
+            return [Finding("remark", "up", text, ("up", "-z"))]
         for column, name in ((1, "y"), (0, "x")):
             for sign, word in ((1.0, name), (-1.0, f"-{name}")):
                 if (sign * up[:, column] > ALIGNED).all():
                     text = f"every object lies, with its top along {word}: is up = {word}?"
-                    return [Finding("remark", "up", text)]
+                    return [Finding("remark", "up", text, ("up", word))]
     places = [np.median(rows, axis=0) for p in positions.values() if len(rows := _finite_rows(p))]
     if len(places) > 1 and not (axes and (np.array(axes)[:, 2] > ALIGNED).any()):
         spread = np.ptp(np.array(places), axis=0)
         if spread[1] < 0.01 and spread[2] > 0.05 and spread[0] > 0.01:
             text = "all objects are at one y and at different z: is y up (up = y)?"
-            return [Finding("remark", "up", text)]
+            return [Finding("remark", "up", text, ("up", "y"))]
     return []
 
 
 def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArray[np.bool_]:
     """Return which positions (n, 3) stand for "not there", in the source's own numbers.
 
-    These are rows that are not finite; 0 0 0 for two samples or more, or away from its neighbours;
-    and −9999 and its like: four nines or more in any component, or three in all.
+    These are rows that are not finite; −9999 and its like (four nines or more in any component, or
+    three in all); and 0 0 0 where the positions before or after are farther away than any step.
 
     Parameters
     ----------
@@ -228,14 +241,19 @@ def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArra
     rows = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     markers = np.fromiter((_is_marker(row) for row in rows.tolist()), bool, len(rows))
     missing: NDArray[np.bool_] = np.logical_or(~np.isfinite(rows).all(axis=1), markers)
-    zero = (rows == 0.0).all(axis=1)
-    if zero.any() and not (may_rest_at_zero and zero[~missing].all()):
-        near = np.zeros(len(rows), dtype=np.bool_)
-        near[1:] |= zero[:-1]
-        near[:-1] |= zero[1:]
-        moving = rows[~missing & ~zero]
-        far = len(moving) > 0 and _is_far(rows, zero, moving)
-        missing |= zero & (near | far)
+    zero = (rows == 0.0).all(axis=1) & ~missing
+    real = np.flatnonzero(~missing & ~zero)
+    if not len(real):
+        return missing if may_rest_at_zero else missing | zero
+    if zero.any():
+        together = real[:-1][np.diff(real) == 1]
+        steps = np.linalg.norm(rows[together + 1] - rows[together], axis=1)
+        bound = MAX_STEP_RATIO * float(np.percentile(steps, 99.0)) if len(steps) else 0.0
+        away = np.linalg.norm(rows, axis=1) > bound
+        at = np.flatnonzero(zero)
+        after = np.searchsorted(real, at)
+        before, later = real[np.maximum(after - 1, 0)], real[np.minimum(after, len(real) - 1)]
+        missing[at] = (away[before] & (after > 0)) | (away[later] & (after < len(real)))
     return missing
 
 
@@ -258,13 +276,6 @@ def _nines(value: float) -> int:
         return 9
     digits = f"{size:.10g}".replace(".", "")
     return len(digits) if not digits.strip("9") else 0
-
-
-def _is_far(rows: Array, zero: NDArray[np.bool_], moving: Array) -> bool:
-    """Return whether a lone 0 0 0 is farther from the rest than the rest spans."""
-    low, high = moving.min(axis=0), moving.max(axis=0)
-    outside = np.maximum(np.maximum(low, -high), 0.0)
-    return bool(np.linalg.norm(outside) > np.linalg.norm(high - low))
 
 
 def _check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
@@ -320,6 +331,10 @@ def _fitting_units(
     fits = {name: x for name, x in fits.items() if bounds[0] <= x <= bounds[1]}
     common = {name: x for name, x in fits.items() if name not in ("dm", "in")} or fits
     return sorted(common, key=lambda name: abs(math.log(common[name] / usual)))
+
+
+def _fix(word: str, units: list[str]) -> tuple[str, str] | None:
+    return (word, units[0]) if units else None
 
 
 def _question(verb: str, units: list[str]) -> str:

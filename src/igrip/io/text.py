@@ -121,7 +121,7 @@ def read_lines(file: BinaryIO, max_length: int = MAX_LINE) -> Iterator[Line]:
     while (line := reader.next()) is not None:
         number += 1
         data = line.data.strip(b" \t\r\n\0")
-        if data or line.too_long:
+        if data:
             yield Line(number, data, line.ended, line.too_long)
 
 

@@ -38,9 +38,11 @@ class HandTrack:
         self._decided_at = 0.0
         self._rejected_at = -math.inf
         self._stale = False
+        self._not_seen: str | None = None
 
     def update(self, now: float, hand: Hand) -> bool:
         """Add a measurement that arrived at ``now`` [s]; return whether it was not ignored."""
+        self._not_seen = None
         t = now if hand.t is None else hand.t
         verdict = self.gate.check(now, t, hand.position)
         if verdict.action == "ignore":
@@ -53,6 +55,16 @@ class HandTrack:
             self.trajectory.reset()
         self.motion = self.trajectory.update(self.gate.newest, hand.position)
         return True
+
+    def reject(self, now: float, reason: str) -> None:
+        """Note at ``now`` [s] that a measurement cannot be used."""
+        self._rejection, self._decided_at, self._rejected_at = reason, now, now
+        self.gate.counts["unusable"] += 1
+
+    def miss(self, reason: str | None = None) -> None:
+        """Note that the hand was looked for and not detected, and why, if that is known."""
+        self._not_seen = reason
+        self.gate.counts["missed"] += 1
 
     def advance(self, now: float) -> None:
         """Set the time to ``now`` [s]."""
@@ -83,7 +95,8 @@ class HandTrack:
         if self._stale:
             if math.isnan(self.gate.newest):
                 return "never measured in a way that could be believed"
-            return f"not measured for {now - self.gate.newest:.2f} s"
+            why = f": {self._not_seen}" if self._not_seen else ""
+            return f"not measured for {now - self.gate.newest:.2f} s{why}"
         if self.motion is None:
             return f"{len(self.trajectory)} samples do not determine a prediction yet"
         if self.same_as is not None:

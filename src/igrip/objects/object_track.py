@@ -56,6 +56,7 @@ class ObjectTrack:
         self._stale = False
         self._delay = 0.0  # age of its poses on arrival
         self._missed_at = -math.inf
+        self._not_seen: str | None = None
         self._static_until = -math.inf
         self.model: ObjectModel | None = None
         self._no_model: str | None = None
@@ -75,7 +76,10 @@ class ObjectTrack:
             return self._no_model
         if not self._filter.begun:
             return self._rejection or "not seen yet"
-        return self._rejection or "not seen for too long" if self._stale else None
+        if not self._stale:
+            return None
+        why = f": {self._not_seen}" if self._not_seen else ""
+        return self._rejection or f"not seen for too long{why}"
 
     @property
     def fault(self) -> str | None:
@@ -100,6 +104,7 @@ class ObjectTrack:
         verdict = self.gate.check(now, t, pose.position)
         if verdict.action == "ignore":
             return
+        self._not_seen = None
         self._rejection = verdict.reason
         if verdict.action == "reject":
             return
@@ -109,8 +114,12 @@ class ObjectTrack:
         self._delay = min(max(0.0, now - self.gate.newest), MAX_MISS_DELAY)
         self._filter.update(self.gate.newest, pose.position, pose.orientation)
 
-    def miss(self, now: float) -> None:
-        """Note that the object was looked for and not detected: a static one begins to age."""
+    def miss(self, now: float, reason: str | None = None) -> None:
+        """Note that the object was looked for and not detected, and why, if that is known.
+
+        A static one begins to age.
+        """
+        self._not_seen = reason
         self.gate.counts["missed"] += 1
         # a detection that found nothing is as old as one that found something
         self._missed_at = now - self._delay

@@ -60,4 +60,13 @@ class Access:
         origin = headers.get("Origin")
         if origin is None or is_loopback(urlsplit(origin).hostname or ""):
             return None
-        return f"pages of {origin:.200} may not connect without a token"
+        if origin == "null":
+            return (
+                "a page opened from disk (Origin: null) may not connect without a token: open it "
+                "from http://localhost (python -m http.server), or start igrip with --token and "
+                "connect with ?token=…"
+            )
+        return (
+            f"pages of {origin:.200} may not connect without a token: start igrip with --token and "
+            "connect with ?token=…"
+        )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -11,36 +10,13 @@ import msgspec
 
 from igrip.entities import Hand, ObjectPose
 from igrip.observation import Observation
+from igrip.runtime.clock_offset import ClockOffset
+from igrip.runtime.clock_step import STEP_MESSAGES
 
-STEP = 1.0  # s by which a sender's times must go back for its clock to have been set anew
-STEP_MESSAGES = 8  # messages in a row that show it before a clock counts as set anew
-MAX_DRIFT = 1e-3  # s per second by which a sender's clock may fall behind; more is lateness
+__all__ = ["STEP_MESSAGES", "ArrivalClock", "ClockOffset", "RunClock", "SenderClock", "restamp"]
 
-
-class ClockOffset:
-    """The offset of one sender's clock from that of the run.
-
-    It is the smallest difference between arrival and the sender's own time. So a constant delay
-    on the way cannot be seen; one that grows is seen as age, however much it grows. Only times
-    that go back for several messages are those of another clock.
-    """
-
-    def __init__(self) -> None:
-        self._offset = math.nan
-        self._newest = -math.inf
-        self._arrived = -math.inf
-        self._behind = 0
-
-    def update(self, sent: float, arrived: float) -> float:
-        """Return the offset after a message [s]."""
-        delay = arrived - sent
-        self._behind = self._behind + 1 if sent < self._newest - STEP else 0
-        if math.isnan(self._offset) or self._behind >= STEP_MESSAGES:
-            self._offset, self._newest, self._behind = delay, sent, 0
-        drift = MAX_DRIFT * max(0.0, arrived - self._arrived)
-        self._offset = min(self._offset + drift, delay)
-        self._newest, self._arrived = max(self._newest, sent), arrived
-        return self._offset
+STEP = 0.02  # s by which a sender's times must go back for its clock to have been set anew
+MIN_AHEAD = 1.0  # s; a jump ahead is named from this on
 
 
 class RunClock:
@@ -87,16 +63,20 @@ class ArrivalClock(RunClock):
     """The clock of this machine, for messages that are dated by other clocks."""
 
     def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
-        """Return a message dated by its arrival; its entities keep their ages."""
+        """Return a message dated by its arrival; its entities keep their ages.
+
+        Of a clock that is not followed at present the ages are not known: the message is invalid.
+        """
         self._newest = max(arrived, self._newest)  # it may have arrived just before a tick
-        return restamp(message, self._newest, offset.update(message.t, self._newest))
+        stamped = restamp(message, self._newest, offset.update(message.t, self._newest))
+        return stamped if offset.distrust is None else stamped.annotated(invalid=offset.distrust)
 
 
 class SenderClock(RunClock):
     """The clock of a single sender, such as a recording that is piped in.
 
     No time passes between its messages: neither silence nor slow processing makes one older. A
-    clock that was set back goes on from where it was, once several messages in a row say so.
+    clock that was set back goes on from where it was, once several messages in a row show it.
     """
 
     ticks = False
@@ -115,8 +95,11 @@ class SenderClock(RunClock):
         t = message.t + self._offset
         self._behind = self._behind + 1 if t < self._newest - STEP else 0
         if self._behind >= STEP_MESSAGES:
+            offset.note_step(t - self._newest, f"at t = {message.t:.6g}")
             self._offset, self._behind = self._newest - message.t, 0
             t = self._newest
+        elif t > self._newest + MIN_AHEAD and self._newest > 0.0:
+            offset.note_gap(t - self._newest, f"at t = {message.t:.6g}")
         if t >= self._newest and self._offset == 0.0:
             self._newest = t
             return message
@@ -133,8 +116,9 @@ def restamp(message: Observation, t: float, offset: float) -> Observation:
         own = message.t if entity.t is None else entity.t
         return msgspec.structs.replace(entity, t=max(0.0, own + offset))
 
-    return Observation(
+    stamped = Observation(
         t=t,
         hands={id: moved(hand) for id, hand in message.hands.items()},
         objects={id: moved(pose) for id, pose in message.objects.items()},
     )
+    return stamped.annotated(not_seen=message.not_seen) if message.not_seen else stamped

@@ -12,27 +12,17 @@ from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.observation import Observation
 from igrip.runtime.bounded_queue import BoundedQueue
-from igrip.runtime.clock_sync import ClockOffset, RunClock
+from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.envelope import Envelope, Sequencer
 from igrip.runtime.latency import LatencyMeter
 from igrip.runtime.protocol import Command
+from igrip.runtime.sender import Sender, Senders
+
+__all__ = ["Input", "Loop", "Output", "Sender"]
 
 TICK = 0.05  # s of silence after which the estimator gets a tick (DESIGN §3)
 REPORT_INTERVAL = 1.0  # s
-
-
-class Sender:
-    """The origin of messages.
-
-    Parameters
-    ----------
-    reply : function, optional
-        Called with the error if a message of this sender is refused; from any thread.
-    """
-
-    def __init__(self, reply: Callable[[ObservationError], None] = lambda error: None) -> None:
-        self.reply = reply
-        self.offset = ClockOffset()
+MAX_WARNINGS = 64  # of those that are given once each
 
 
 class Input(Protocol):
@@ -106,9 +96,13 @@ class Loop:
         Called with each address at which others can connect.
     source_report : function
         Returns what is reported of the source of observations.
+    warn : function
+        Called with what the user should know of a sender, such as a clock that was set.
 
     Attributes
     ----------
+    senders : Senders
+        Those that have sent something.
     latency : LatencyMeter
         From the measurement of a hand to the intention that follows from it.
     """
@@ -119,9 +113,12 @@ class Loop:
         record: Callable[[Observation], None] | None = None,
         announce: Callable[[str], None] = lambda address: None,
         source_report: Callable[[], dict[str, Any]] = dict,
+        warn: Callable[[str], None] = lambda text: None,
     ) -> None:  # fmt: skip
         self.estimator, self.piped, self.announce = estimator, piped, announce
         self._clock, self._record, self._source_report = clock, record, source_report
+        self._warn, self.senders = warn, Senders()
+        self._warned: set[str] = set()
         self._inputs, self._outputs = dict(inputs or {}), dict(outputs or {})
         self._broken: set[str] = set()
         self._queue: BoundedQueue[_Item] = BoundedQueue()
@@ -171,6 +168,12 @@ class Loop:
         """Count an event, such as a malformed message; from any thread."""
         self._queue.count(event)
 
+    def warn(self, text: str) -> None:
+        """Warn the user of something once, however often it happens; from any thread."""
+        if text not in self._warned and len(self._warned) < MAX_WARNINGS:
+            self._warned.add(text)
+            self._warn(text)
+
     def finish(self, error: Exception | None = None) -> None:
         """End the run after the messages that wait; it raises ``error``, if there is one."""
         self._error = self._error or error
@@ -203,10 +206,20 @@ class Loop:
                 self._apply(message, arrived, sender)
             else:
                 self._update(self._clock.stamp(message, arrived, sender.offset), sender)
+            self._note(sender)
         now = self._clock.now()
         if self._clock.ticks and now - self._updated >= TICK:
             tick = self._clock.stamp(Observation(t=now), now, self._ticker.offset)
             self._update(tick, self._ticker)
+
+    def _note(self, sender: Sender) -> None:
+        """Warn of what happened to a sender; end a piped run whose numbers cannot be meant so."""
+        self.senders.note(sender)
+        news = sender.news(self._clock.now() if self._clock.ticks else time.monotonic())
+        if news is not None:
+            self._warn(news)
+        if self.piped and sender.refusal is not None:
+            self.finish(IgripError(f"{sender.name}: {sender.refusal}"))
 
     def _apply(self, command: Command, arrived: float, sender: Sender) -> None:
         self.count(command.action)
@@ -260,6 +273,7 @@ class Loop:
         self._report = {
             "session": self.session, "intentions": self._sequencer.count,
             "incoming": self._queue.report(), "inputs": self.estimator.inputs(),
+            "senders": self.senders.report(),
             "outputs": {name: output.counts() for name, output in self._outputs.items()},
         }  # fmt: skip
 

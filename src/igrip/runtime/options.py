@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from igrip.io.frames import DeclaredFrame
+
 HANDS = ("left", "right")
 
 
@@ -17,4 +19,5 @@ class Options:
     token: str | None = None
     stream_name: str = "igrip"  # of the Lab Streaming Layer streams
     hands: tuple[str, ...] = HANDS  # that have channels in a signal
+    frame: DeclaredFrame = field(default_factory=DeclaredFrame)  # of what inputs receive
     shared: dict[str, Any] = field(default_factory=dict)  # such as one server of input and output

@@ -11,12 +11,13 @@ from igrip.entities import text
 from igrip.errors import ObservationError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
+from igrip.io.defects import Defect
+from igrip.io.message_reader import MessageReader, decode_json
 from igrip.observation import Observation
 
 Action = Literal["veto", "confirm", "opened"]
 ACTIONS: tuple[Action, ...] = get_args(Action)
 MAX_SIZE = 1 << 18  # bytes of a message: ten times that of 16 hands with landmarks, 256 objects
-MAX_HANDS, MAX_OBJECTS, MAX_ID_LENGTH = 32, 512, 128
 
 
 class Command(NamedTuple):
@@ -40,11 +41,22 @@ class Command(NamedTuple):
         return methods[self.action](self.hand)
 
 
-def decode(data: bytes | str) -> Observation | Command:
+def decode(
+    data: bytes | str, reader: MessageReader | None = None, defects: list[Defect] | None = None
+) -> Observation | Command:
     """Return the message in JSON, or in MessagePack if it begins like a map of it.
 
     ``{"control": "veto", "hand": "right"}`` is a command, everything else an observation. The
     decoders bound nesting; size is bounded here.
+
+    Parameters
+    ----------
+    data : bytes or str
+        The message.
+    reader : MessageReader, optional
+        That of its sender.
+    defects : list of Defect, optional
+        What was wrong with parts of an observation is appended to it.
 
     Raises
     ------
@@ -59,31 +71,16 @@ def decode(data: bytes | str) -> Observation | Command:
         except (msgspec.MsgspecError, ValueError, TypeError, RecursionError) as error:
             raise ObservationError("message", f"is not MessagePack: {error}") from None
     else:
-        try:
-            raw = msgspec.json.decode(data)
-        except (ValueError, TypeError, RecursionError):
-            return Observation.from_json(data)  # it names the field that is wrong
+        raw = decode_json(data)
     if isinstance(raw, Mapping) and "control" in raw:
         return _command(raw)
-    _check_size(raw)
     try:
-        return Observation.from_dict(raw)
+        observation, found = (reader or MessageReader()).read(raw)
     except RecursionError:
         raise ObservationError("message", "is nested too deeply") from None
-
-
-def _check_size(raw: Any) -> None:
-    """Refuse more than any scene holds: it would slow down every client."""
-    if not isinstance(raw, Mapping):
-        return
-    for part, limit in (("hands", MAX_HANDS), ("objects", MAX_OBJECTS)):
-        entities = raw.get(part)
-        if not isinstance(entities, Mapping):
-            continue
-        if len(entities) > limit:
-            raise ObservationError(part, f"are {len(entities)}, more than {limit}")
-        if any(isinstance(id, str) and len(id) > MAX_ID_LENGTH for id in entities):
-            raise ObservationError(part, f"an id has more than {MAX_ID_LENGTH} characters")
+    if defects is not None:
+        defects += found
+    return observation
 
 
 def _command(raw: Mapping[str, Any]) -> Command:

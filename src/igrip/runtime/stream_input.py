@@ -29,7 +29,7 @@ class StreamInput:
         """Do nothing: the stream ends by itself, or with the loop."""
 
     def _run(self, loop: Loop) -> None:
-        sender = Sender()
+        sender = Sender(name="the source")
         try:
             observations = iter(self._stream)
             while loop.wait_for_demand() and (observation := next(observations, None)) is not None:

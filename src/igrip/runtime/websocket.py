@@ -9,17 +9,19 @@ import json
 import logging
 import math
 import threading
+import weakref
 from collections import Counter
 from collections.abc import Callable, Coroutine
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from igrip.errors import IgripError, ObservationError, requires_extra
+from igrip.io.frames import DeclaredFrame
 from igrip.runtime.access import Access
 from igrip.runtime.envelope import Envelope
 from igrip.runtime.loop import Loop, Sender
 from igrip.runtime.options import Options
-from igrip.runtime.protocol import MAX_SIZE, Command, decode
+from igrip.runtime.protocol import MAX_SIZE, Command
 
 with requires_extra("websockets", "outputs", "the WebSocket server"):
     from websockets.asyncio.server import ServerConnection, serve
@@ -37,6 +39,11 @@ TRY_LATER = 1013  # RFC 6455 registry: try again later
 log = logging.getLogger("igrip.websocket")
 log.addHandler(logging.NullHandler())
 log.propagate = False
+
+
+def _address(connection: ServerConnection) -> str:
+    address = connection.remote_address
+    return ":".join(map(str, address[:2])) if isinstance(address, tuple) else "unknown"
 
 
 class _Client:
@@ -71,12 +78,17 @@ class WebSocketServer:
         Where to listen; port 0: any that is free.
     access : Access
         Who may connect.
+    frame : DeclaredFrame, optional
+        Frame and units of the observations.
     """
 
     single_sender = False
 
-    def __init__(self, host: str, port: int, access: Access) -> None:
-        self._host, self.port, self._access = host, port, access
+    def __init__(
+        self, host: str, port: int, access: Access, frame: DeclaredFrame | None = None
+    ) -> None:
+        self._host, self.port, self._access, self._frame = host, port, access, frame
+        self._connections = 0
         self._paths: set[str] = set()
         self._clients: set[_Client] = set()
         self._listeners: set[_Client] = set()  # clients of /intentions
@@ -93,7 +105,7 @@ class WebSocketServer:
         """Return the one server of a run; it serves this path too."""
         if "websocket" not in options.shared:
             access = Access(options.host, options.token)
-            options.shared["websocket"] = cls(options.host, options.port, access)
+            options.shared["websocket"] = cls(options.host, options.port, access, options.frame)
         server: WebSocketServer = options.shared["websocket"]
         server._paths.add(path)
         return server
@@ -161,6 +173,7 @@ class WebSocketServer:
         path = urlsplit(request.path).path
         refusal = self._access.refusal(request.path, request.headers)
         if refusal is not None:
+            self._loop.warn(f"refused {_address(connection)}: {refusal}")
             return connection.respond(http.HTTPStatus.FORBIDDEN, refusal + "\n")
         if path == "/status":
             body = json.dumps(self._loop.status()) + "\n"
@@ -178,8 +191,12 @@ class WebSocketServer:
     async def _connected(self, connection: ServerConnection) -> None:
         assert connection.request is not None
         url = urlsplit(connection.request.path)
-        sender = Sender(lambda error: self._call_soon(self._reply, client, error))
+        self._connections += 1
+        name = f"client {self._connections} ({_address(connection)})"
+        sender = Sender(name=name, frame=self._frame)
         client = _Client(connection, sender)
+        known = weakref.ref(client)  # what is reported of a sender outlives its connection
+        sender.reply = lambda error: self._call_soon(self._reply, known, error)
         self._clients.add(client)
         try:
             if url.path == OBSERVATIONS:
@@ -189,8 +206,10 @@ class WebSocketServer:
         finally:
             self._clients.discard(client)
 
-    def _reply(self, client: _Client, error: ObservationError) -> None:
-        self._run_in_background(client.reply(error))
+    def _reply(self, known: weakref.ref[_Client], error: ObservationError) -> None:
+        client = known()
+        if client is not None:
+            self._run_in_background(client.reply(error))
 
     def _run_in_background(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.ensure_future(work)
@@ -209,7 +228,7 @@ class WebSocketServer:
 
     async def _accept(self, data: bytes | str, client: _Client, observations: bool) -> None:
         try:
-            message = decode(data)
+            message = client.sender.decode(data)
         except ObservationError as error:
             self._loop.count("malformed")
             await client.reply(error)

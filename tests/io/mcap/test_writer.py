@@ -156,22 +156,42 @@ def test_extreme_times_are_kept_exactly(tmp_path):
 @pytest.mark.parametrize(
     ("line", "field"),
     [
-        (b"nonsense", "message"),
-        (b'{"hands":{}}', "t"),
-        (b'{"t":5.0,"hands":{"right":{"position":[0,null,0]}}}', "hands.right.position[1]"),
-        (b'{"t":1.0}', "t"),  # older than the one before
+        (b"nonsense", "messages message: is not JSON"),
+        (b'{"hands":{}}', "messages t: must be a number"),
+        (b'{"t":5.0,"hands":{"right":{"position":[0,null,0]}}}', "hands.right position[1]: must"),
+        (b'{"t":1.0}', "t steps back by 2 s"),
     ],
 )
-def test_a_malformed_message_names_file_message_and_field(tmp_path, line, field):
+def test_a_malformed_message_costs_itself_and_is_named(tmp_path, line, field):
     path = tmp_path / "x.mcap"
     with McapWriter(path) as writer:
         writer.write(Observation(t=3.0))
         writer.write_event(3.0, "between")
         writer._put("/observations", 5.0, line)
-    seen = []
+    reader = McapReader(path)
+    assert next(iter(reader)) == Observation(t=3.0)
+    assert len(list(reader)) <= 2
+    [counted] = [row for row in reader.defects.report() if row["what"] != "gap"]
+    assert counted["first"] == "message 2 of /observations"
+    assert f"{counted['path']} {counted['problem']}".startswith(field)
+
+
+def test_a_file_without_one_good_message_names_the_first(tmp_path):
+    path = tmp_path / "x.mcap"
+    with McapWriter(path) as writer:
+        writer._put("/observations", 5.0, b"nonsense")
     with pytest.raises(RecordingError) as raised:
-        seen.extend(McapReader(path))
-    assert f"{path}, message 2 of /observations: {field}: " in str(raised.value)
+        list(McapReader(path))
+    assert f"{path}, message 1 of /observations: message: " in str(raised.value)
+
+
+def test_a_file_of_others_is_answered_with_what_is_in_it(tmp_path):
+    path = tmp_path / "x.mcap"
+    with McapWriter(path) as writer:
+        writer.write_event(3.0, "button")
+        writer.write_event(4.0, "button")
+    with pytest.raises(RecordingError, match=r"/events \(igrip\.Event\): 2 messages"):
+        list(McapReader(path))
 
 
 def test_a_malformed_picture_is_named(tmp_path):

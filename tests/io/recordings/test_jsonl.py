@@ -119,44 +119,50 @@ def test_cut_is_about_the_last_iteration(tmp_path, scene):
 
 
 @pytest.mark.parametrize(
-    ("line", "field"),
+    ("line", "what", "where"),
     [
-        (b'{"t":', "message"),
-        (b"nonsense", "message"),
-        (b"[1, 2]", "message"),
-        (b'{"hands":{}}', "t"),
-        (b'{"t":5.0,"hands":{"right":{"position":[0,null,0]}}}', "hands.right.position[1]"),
-        (b'{"t":5.0,"hands":{"right":{"position":[0,NaN,0]}}}', "hands.right.position[1]"),
-        (b'{"t":5.0,"objects":{"mug":{"position":[0,0,0]}}}', "objects.mug.orientation"),
-        (b'{"t":5.0,"schema":"igrip/2"}', "schema"),
-        (b'{"t":1.0}', "t"),  # older than the line before
+        (b'{"t":', "skipped", "messages message: is not JSON"),
+        (b"nonsense", "skipped", "messages message: is not JSON"),
+        (b"[1, 2]", "skipped", "messages message: must be an object"),
+        (b'{"hands":{}}', "skipped", "messages t: must be a number"),
+        (b'{"t":5.0,"schema":"igrip/2"}', "skipped", "messages schema: must be"),
+        (b'{"t":1.0}', "skipped", "t steps back by 2 s"),
+        (b'{"t":5.0,"hands":{"right":{"position":[0,null,0]}}}', "not seen",
+         "hands.right position[1]: must be a number"),
+        (b'{"t":5.0,"hands":{"right":{"position":[0,NaN,0]}}}', "not seen",
+         "hands.right position[1]: must be finite"),
+        (b'{"t":5.0,"objects":{"mug":{"position":[0,0,0]}}}', "not seen",
+         "objects.mug orientation: is missing"),
     ],
-)
+)  # fmt: skip
 @pytest.mark.parametrize("last", [False, True])
-def test_a_malformed_line_names_line_and_field(tmp_path, line, field, last):
+def test_a_malformed_line_costs_itself_and_is_named(tmp_path, line, what, where, last):
     path = tmp_path / "scene.jsonl"
     path.write_bytes(b'{"t":3.0}\n\n' + line + b"\n" + (b"" if last else b'{"t":9.0}\n'))
-    seen = []
-    with pytest.raises(RecordingError) as raised:
-        seen.extend(JsonlReader(path))
-    assert seen == [] or seen == [Observation(t=3.0)]
-    assert f"{path}, line 3: {field}: " in str(raised.value)
+    reader = JsonlReader(path)
+    seen = list(reader)
+    assert seen[0] == Observation(t=3.0)
+    assert len(seen) == 1 + (what == "not seen") + (not last)
+    assert last or seen[-1] == Observation(t=9.0)
+    [row] = [row for row in reader.defects.report() if row["what"] != "gap"]
+    assert (row["what"], row["first"], row["count"]) == (what, "line 3", 1)
+    assert f"{row['path']} {row['problem']}".startswith(where)
 
 
-def test_what_comes_before_a_malformed_line_is_read(tmp_path):
+def test_a_file_without_one_good_line_names_the_first(tmp_path):
     path = tmp_path / "scene.jsonl"
-    path.write_bytes(b'{"t":1.0}\n{"t":2.0}\n{"t":"x"}\n')
-    iterator = iter(JsonlReader(path))
-    assert [next(iterator).t, next(iterator).t] == [1.0, 2.0]
-    with pytest.raises(RecordingError, match="line 3: t: "):
-        next(iterator)
+    path.write_bytes(b'\n{"x":1.0}\n{"t":"x"}\n')
+    with pytest.raises(RecordingError, match="line 2: t: "):
+        list(JsonlReader(path))
 
 
 def test_a_whole_last_line_that_is_wrong_is_no_cut(tmp_path):
     path = tmp_path / "scene.jsonl"
-    path.write_bytes(b'{"t":1.0}\n{"t":-2.0}')
-    with pytest.raises(RecordingError, match="line 2: t: "):
-        list(JsonlReader(path))
+    path.write_bytes(b'{"t":1.0}\n{"t":"x"}')
+    reader = JsonlReader(path)
+    assert list(reader) == [Observation(t=1.0)]
+    assert reader.cut is None
+    assert "line 2" in next(iter(reader.defects.lines()))
 
 
 def test_blank_lines_and_windows_line_breaks(tmp_path):
@@ -182,8 +188,9 @@ def test_files_that_cannot_be_opened(tmp_path, kind):
         assert str(path) in str(raised.value)
 
 
-def test_an_iteration_that_is_given_up_closes_the_file(tmp_path, scene, monkeypatch):
-    path = write(tmp_path / "scene.jsonl", scene)
+def test_an_iteration_that_is_given_up_closes_the_file(tmp_path, monkeypatch):
+    ticks = [Observation(t=k / 30.0) for k in range(500)]  # more than are read ahead
+    path = write(tmp_path / "scene.jsonl", ticks)
     reader, opened = JsonlReader(path), []
     open_file = reader.open
     monkeypatch.setattr(reader, "open", lambda: opened.append(open_file()) or opened[-1])

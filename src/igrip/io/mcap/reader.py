@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from igrip.errors import ObservationError, RecordingError, requires_extra
-from igrip.io.files import RecordingReader, decode
+from igrip.errors import RecordingError, requires_extra
+from igrip.io.frames import DeclaredFrame
 from igrip.io.mcap.frames import FrameAssembler
 from igrip.io.mcap.messages import OBSERVATIONS
 from igrip.io.mcap.records import Record, Unpacker, packed_records
-from igrip.observation import Observation
+from igrip.io.recording_reader import RecordingReader, StoredMessage
 from igrip.rgbd import RgbdFrame
 
 
@@ -21,20 +22,26 @@ class McapReader(RecordingReader):
     and a warning is logged. It raises :class:`MissingExtraError` if ``mcap`` is not installed.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, frame: DeclaredFrame | None = None) -> None:
         with requires_extra("mcap", "mcap", "MCAP recordings"):
             import mcap.records  # noqa: F401
-        super().__init__(path)
+        super().__init__(path, frame)
 
-    def __iter__(self) -> Iterator[Observation]:
-        last = -1.0
-        for record in self.records((OBSERVATIONS,)):
-            try:
-                observation = decode(record.data, not_before=last)
-            except ObservationError as error:
-                raise self._malformed(record, error) from error
-            last = observation.t
-            yield observation
+    def stored_messages(self) -> Iterator[StoredMessage]:
+        """Yield the messages of the topic of observations.
+
+        Raises
+        ------
+        RecordingError
+            If there is no such topic; the message lists those that are there.
+        """
+        topics: Counter[str] = Counter()
+        for record in self.records(skip_damaged=True):
+            topics[f"{record.topic} ({record.schema})"] += 1
+            if record.topic == OBSERVATIONS:
+                yield StoredMessage(f"message {record.number} of {record.topic}", record.data)
+        if topics and not any(name.startswith(f"{OBSERVATIONS} ") for name in topics):
+            raise RecordingError(f"{self.path}: {describe_topics(topics)}")
 
     def frames(self) -> Iterator[RgbdFrame]:
         """Yield the frames of all cameras as they were recorded, each camera's in order of time."""
@@ -47,22 +54,43 @@ class McapReader(RecordingReader):
             if frame is not None:
                 yield frame
 
-    def records(self, topics: tuple[str, ...] = ()) -> Iterator[Record]:
-        """Yield the messages of some topics, or of all, in the order of the file."""
-        unpacker = Unpacker()
+    def records(self, topics: tuple[str, ...] = (), skip_damaged: bool = False) -> Iterator[Record]:
+        """Yield the messages of some topics, or of all, in the order of the file.
+
+        Damage raises :class:`RecordingError`, or is skipped and named in :attr:`cut`.
+        """
+        unpacker = Unpacker(skip_damaged)
         with self.open() as file:
             for place, packed in packed_records(file):
                 if packed is None:
                     self.note_cut(f"at byte {place}; {unpacker.counts.total()} messages read")
                     return
+                problem = None
                 try:
                     records = unpacker.unpack(packed)
                 except RecordingError as error:
-                    raise RecordingError(f"{self.path}, byte {place}: {error}") from error
+                    problem = str(error)
                 except Exception as error:  # the package mcap trusts its input
-                    text = f"{self.path}, byte {place}: damaged: {error!r}"
-                    raise RecordingError(text) from error
+                    problem = f"damaged: {error!r}"
+                if problem is not None:
+                    if not skip_damaged or not unpacker.counts:
+                        raise RecordingError(f"{self.path}, byte {place}: {problem}")
+                    self.note_cut(f"at byte {place}, which is left out: {problem}", "damaged")
+                    continue
+                if unpacker.gap is not None:
+                    self.note_cut(f"before byte {place}: {unpacker.gap}", "damaged")
+                    unpacker.gap = None
                 yield from (r for r in records if not topics or r.topic in topics)
 
     def _malformed(self, record: Record, error: Exception) -> RecordingError:
         return RecordingError(f"{self.path}, message {record.number} of {record.topic}: {error}")
+
+
+def describe_topics(topics: Counter[str]) -> str:
+    """Return what is in a file without observations, and what could be read."""
+    listed = [f"{name}: {count} messages" for name, count in topics.most_common(12)]
+    more = f", and {len(topics) - 12} more topics" if len(topics) > 12 else ""
+    return (
+        f"no observations of igrip (topic {OBSERVATIONS}). It holds {', '.join(listed)}{more}. "
+        "Of ROS 2, tf2_msgs/TFMessage and geometry_msgs/PoseStamped are read"
+    )

@@ -27,6 +27,8 @@ class Record(NamedTuple):
     t: float  # [s]
     data: bytes
     metadata: dict[str, str]  # of its channel
+    schema: str = ""  # its name
+    encoding: str = "json"
 
 
 def packed_records(file: BinaryIO) -> Iterator[tuple[int, bytes | None]]:
@@ -36,7 +38,7 @@ def packed_records(file: BinaryIO) -> Iterator[tuple[int, bytes | None]]:
     """
     from mcap.opcode import Opcode
 
-    wanted = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK)
+    wanted = (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK)
     size = os.fstat(file.fileno()).st_size
     magic = file.read(len(MAGIC))
     if magic != MAGIC[: len(magic)]:
@@ -68,21 +70,28 @@ class Unpacker:
     ----------
     counts : Counter
         How many messages were unpacked, by channel.
+    gap : str or None
+        Which messages are missing, where that is noted rather than raised.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, note_gaps: bool = False) -> None:
+        self._note_gaps = note_gaps
+        self.gap: str | None = None
+        self._schemas: dict[int, str] = {}
         self.counts: Counter[int] = Counter()
         self._channels: dict[int, Any] = {}
         self._numbered = False  # igrip numbers the messages of each channel from 1
 
     def unpack(self, packed: bytes) -> list[Record]:
         """Return the messages in one record; whatever it raises, the record is damaged."""
-        from mcap.records import Channel, Header, Message
+        from mcap.records import Channel, Header, Message, Schema
 
         messages = []
         for item in _items(packed):
             if isinstance(item, Channel):
                 self._channels[item.id] = item
+            elif isinstance(item, Schema):
+                self._schemas[item.id] = item.name
             elif isinstance(item, Header):
                 self._numbered = item.library.startswith("igrip ")
             elif isinstance(item, Message):
@@ -95,11 +104,15 @@ class Unpacker:
             raise RecordingError(f"a message of an unknown channel, {item.channel_id}")
         number = self.counts[channel.id] + 1
         if self._numbered and item.sequence != number:
-            raise RecordingError(
-                f"damaged: of {channel.topic}, message {item.sequence} follows {number - 1}"
-            )
+            problem = f"of {channel.topic}, message {item.sequence} follows {number - 1}"
+            if not self._note_gaps or item.sequence < number:
+                raise RecordingError(f"damaged: {problem}")
+            self.gap, number = problem, item.sequence
         self.counts[channel.id] = number
-        return Record(channel.topic, number, item.log_time / 1e9, item.data, channel.metadata)
+        return Record(
+            channel.topic, number, item.log_time / 1e9, item.data, channel.metadata,
+            self._schemas.get(channel.schema_id, ""), channel.message_encoding,
+        )  # fmt: skip
 
 
 def _items(packed: bytes) -> list[Any]:

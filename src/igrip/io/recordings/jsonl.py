@@ -8,10 +8,11 @@ from typing import Any
 
 import msgspec
 
-from igrip.errors import ObservationError, RecordingError
 from igrip.intention import Intention
-from igrip.io.files import CrashSafeFile, RecordingReader, RecordingWriter, decode
+from igrip.io.files import CrashSafeFile, RecordingWriter
+from igrip.io.recording_reader import RecordingReader, StoredMessage
 from igrip.io.recordings import SOURCES, RecordingFormat
+from igrip.io.text import read_lines
 from igrip.observation import Observation
 
 
@@ -22,22 +23,12 @@ class JsonlReader(RecordingReader):
     :attr:`cut` then says where it was, and a warning is logged.
     """
 
-    def __iter__(self) -> Iterator[Observation]:
-        last = -1.0
+    def stored_messages(self) -> Iterator[StoredMessage]:
+        """Yield the lines of the file."""
         with self.open() as file:
-            for number, line in enumerate(file, start=1):
-                text = line.strip(b" \t\r\n\0")
-                if not text:
-                    continue
-                try:
-                    observation = decode(text, not_before=last)
-                except ObservationError as error:
-                    if error.field == "message" and not line.endswith(b"\n"):
-                        self.note_cut(f"in line {number}; {number - 1} lines read")
-                        return
-                    raise RecordingError(f"{self.path}, line {number}: {error}") from error
-                last = observation.t
-                yield observation
+            for line in read_lines(file):
+                data = b"" if line.too_long else line.data
+                yield StoredMessage(f"line {line.number}", data, not line.ended)
 
 
 class JsonlWriter(RecordingWriter):

@@ -6,11 +6,13 @@ import sys
 import threading
 from typing import BinaryIO
 
-from igrip.errors import ObservationError
+from igrip.errors import IgripError, ObservationError
+from igrip.io import text
+from igrip.io.recording_reader import EXAMPLE
 from igrip.runtime.inputs import INPUTS
 from igrip.runtime.loop import Loop, Sender
 from igrip.runtime.options import Options
-from igrip.runtime.protocol import MAX_SIZE, decode
+from igrip.runtime.protocol import MAX_SIZE
 
 
 @INPUTS.register("stdin")
@@ -20,32 +22,46 @@ class StdinInput:
     single_sender = True
 
     def __init__(self, options: Options) -> None:
-        pass
+        self._frame = options.frame
 
     def start(self, loop: Loop) -> None:
         """Begin to read."""
         # a file of its own: at exit Python aborts if a thread waits in sys.stdin
         file = open(sys.stdin.fileno(), "rb", closefd=False)  # noqa: SIM115
-        threading.Thread(target=read_lines, args=(file, loop), daemon=True).start()
+        sender = Sender(name="standard input", frame=self._frame)
+        threading.Thread(target=read_lines, args=(file, loop, sender), daemon=True).start()
 
     def close(self) -> None:
         """Do nothing."""
 
 
-def read_lines(file: BinaryIO, loop: Loop) -> None:
+def read_lines(file: BinaryIO, loop: Loop, sender: Sender | None = None) -> None:
     """Submit lines until the file ends; malformed ones are counted and skipped.
 
-    Where the run is piped, nothing is dropped, and the run ends with the file.
+    Where the run is piped, nothing is dropped, and the run ends with the file; with an error if
+    there is nothing in it.
     """
-    sender, line_begins = Sender(), True
-    while line := file.readline(MAX_SIZE + 2):
-        continues, line_begins = not line_begins, line.endswith(b"\n")
-        text = line.strip()
-        if continues or not text:  # the rest of a line that was too long
-            continue
+    sender = sender or Sender(name="standard input")
+    first = None
+    for line in text.read_lines(file, MAX_SIZE + 2):
         try:
-            loop.submit(decode(text), sender, wait=loop.piped)
-        except ObservationError:
+            if line.too_long:
+                raise ObservationError("message", f"is longer than {MAX_SIZE} bytes")
+            message = sender.decode(line.data, f"line {line.number}")
+        except ObservationError as error:
             loop.count("malformed")
-    if loop.piped:
+            first = first or f"line {line.number}: {error}"
+            continue
+        loop.submit(message, sender, wait=loop.piped)
+        if loop.piped and sender.refusal is not None:
+            return  # the loop ends with an error
+    if not loop.piped:
+        return
+    if sender.accepted or first is None:
         loop.finish()
+    else:
+        loop.finish(
+            IgripError(
+                f"standard input, {first}. No message can be read; each line must be like {EXAMPLE}"
+            )
+        )

@@ -1,0 +1,82 @@
+"""The plausibility check of a stream or recording, on its first messages and now and then."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from igrip.entities import Hand, ObjectPose
+from igrip.io.frames import DeclaredFrame
+from igrip.io.plausibility import Finding, Samples, check_samples
+from igrip.observation import Observation
+
+MESSAGES = 64  # that are checked together
+EARLY = (8, 16, 32)  # messages after which they are checked, too
+
+Row = tuple[float, tuple[float, ...], tuple[float, ...] | None]
+
+
+class FirstContact:
+    """Collects messages and checks whether their numbers mean what they are taken for.
+
+    Parameters
+    ----------
+    frame : DeclaredFrame
+        What was declared of them; findings name the units in its terms.
+
+    Attributes
+    ----------
+    findings : list of Finding
+        Of the newest check.
+    """
+
+    def __init__(self, frame: DeclaredFrame | None = None) -> None:
+        self._frame = frame or DeclaredFrame()
+        self.findings: list[Finding] = []
+        self._begin()
+
+    def _begin(self) -> None:
+        self._count = 0
+        self._hands: defaultdict[str, list[Row]] = defaultdict(list)
+        self._objects: defaultdict[str, list[Row]] = defaultdict(list)
+
+    def add(self, message: Observation) -> bool:
+        """Add a message with the sender's times; return whether :attr:`findings` are new."""
+        if message.is_tick:
+            return False
+        for entities, rows in ((message.hands, self._hands), (message.objects, self._objects)):
+            for id, entity in entities.items():
+                if entity is not None:
+                    rows[id].append(_row(message.t, entity))
+        self._count += 1
+        if self._count not in EARLY and self._count < MESSAGES:
+            return False
+        self.check()
+        if self._count >= MESSAGES:
+            self._begin()
+        return True
+
+    def check(self) -> list[Finding]:
+        """Check what was added since the last :data:`MESSAGES`; return the findings."""
+        self.findings = check_samples(
+            {id: _samples(rows) for id, rows in self._hands.items()},
+            {id: _samples(rows) for id, rows in self._objects.items()},
+            self._frame.length_unit, self._frame.time_unit,
+        )  # fmt: skip
+        return self.findings
+
+
+def _row(t: float, entity: Hand | ObjectPose) -> Row:
+    orientation = entity.orientation if isinstance(entity, ObjectPose) else None
+    return t if entity.t is None else entity.t, entity.position, orientation
+
+
+def _samples(rows: list[Row]) -> Samples:
+    unknown = (np.nan,) * 4
+    turned = any(q is not None for _, _, q in rows)
+    return Samples(
+        np.array([t for t, _, _ in rows]),
+        np.array([p for _, p, _ in rows]),
+        np.array([q or unknown for _, _, q in rows]) if turned else None,
+    )
