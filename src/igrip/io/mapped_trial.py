@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from igrip.io.column_map import ColumnMap
 from igrip.io.column_names import near_miss
 from igrip.io.hand_ids import hand_side, match_hand
 from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
-from igrip.io.plausibility import Samples, check_samples, refusal
+from igrip.io.plausibility import Finding, Samples, check_samples, refusal
 from igrip.io.recorded_reach import MovingObject, RecordedReach
 from igrip.io.takes.declared import Declared
+from igrip.io.takes.jumps import jump_remark
 from igrip.io.takes.roles import hands_of
 from igrip.io.takes.take import Take, Track
 from igrip.io.takes.upright import upright_remark, with_upright_axes
@@ -124,21 +125,23 @@ class TrialReader:
     ) -> list[str]:
         """Return what is unusual; raise an error where a unit cannot be right."""
         objects = {id: _samples(moved.track) for id, moved in moving.items()}
-        objects |= {id: Samples(np.zeros(1), position[None]) for id, position in placed.items()}
+        times = track.times  # an object that is placed is there all the time
+        objects |= {
+            id: Samples(times, np.tile(position, (len(times), 1)))
+            for id, position in placed.items()
+        }
         findings = check_samples(
             {hand: _samples(track)}, objects, take.frame.length_unit, take.frame.time_unit
         )
         problem = refusal(findings)
         if problem is not None:
-            raise DatasetError(
-                f"{self._where}: {problem} Declare unit or time_unit in the map, or by --unit, "
-                "--time-unit"
-            )
+            raise DatasetError(f"{self._where}: {problem}{_remedy(findings)}")
         remarks = [finding.text for finding in findings]
         if take.frame.axes == ("x", "y", "z") and not any(f.kind == "up" for f in findings):
             remark = upright_remark(track.positions, list(placed.values()))
             remarks += [remark] if remark else []
-        return remarks
+        jump = jump_remark(track)
+        return [*remarks, jump] if jump else remarks
 
     def _hands(self, take: Take) -> dict[str, str]:
         """Return the tracks of all hands by id."""
@@ -240,6 +243,18 @@ class TrialReader:
         if text is not None and text.lower() not in ("palmar", "pinch"):
             raise DatasetError(f"{self._where}: grip {text!r} is neither palmar nor pinch")
         return None if text is None else text.lower()
+
+
+def _remedy(findings: Iterable[Finding]) -> str:
+    """Return what to declare against what is refused, in a map or on the command line."""
+    names = {"length_unit": "unit", "time_unit": "time_unit", "up": "up"}
+    fixes = {f.fix for f in findings if f.verdict == "refuse" and f.fix is not None}
+    words = [
+        f'{names[key]} = "{value}" in the map, or --{names[key].replace("_", "-")} {value}'
+        for key, value in sorted(fixes)
+        if key in names
+    ]
+    return f" Declare {'; '.join(words)}" if words else ""
 
 
 def _samples(track: Track) -> Samples:

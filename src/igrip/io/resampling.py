@@ -11,13 +11,13 @@ from scipy.spatial.transform import Rotation, Slerp
 from igrip.entities import ObjectPose
 from igrip.errors import DatasetError
 from igrip.io.importers import Array, MovingObject, RecordedReach
+from igrip.io.plausibility import check_length, refusal
 from igrip.io.takes.take import MAX_INTERVAL_FACTOR, Track
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
 from igrip.settings import Settings, quantity
 
-MAX_UPSAMPLING = 100.0  # observations of the dataset for each sample of the recording
 Gap = NDArray[np.bool_]
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
@@ -44,13 +44,10 @@ def resample(reach: RecordedReach, catalog: Catalog, options: ImportOptions) -> 
         If the recording is much longer than its samples can tell: its unit of time is wrong.
     """
     rest = round(options.rest * options.rate) if reach.movement_only else 0
-    length = reach.seconds * options.rate
-    if not length <= MAX_UPSAMPLING * len(reach.times) + 1000:
-        raise DatasetError(
-            f"{reach.name}: its {len(reach.times)} samples last {reach.seconds:.4g} s, which would "
-            f"be {length:.3g} observations at {options.rate:g} Hz; is the unit of time right?"
-        )
-    moving = int(np.floor(length + 1e-6)) + 1
+    problem = refusal(check_length(np.append(reach.times, reach.seconds), options.rate))
+    if problem is not None:
+        raise DatasetError(f"{reach.name}: {problem}")
+    moving = int(np.floor(reach.seconds * options.rate + 1e-6)) + 1
     since_onset = np.arange(-rest, moving) / options.rate
     points = _interpolated(since_onset, reach.times, reach.positions)
     interval = float(np.median(np.diff(reach.times)))

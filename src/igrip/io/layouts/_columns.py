@@ -143,11 +143,12 @@ def _header(head: Head, index: int) -> tuple[list[list[str]], list[str]]:
         filled = [cell for cell in row if cell]
         if _of_numbers(row, head.dialect.decimal) and rows:
             break
-        if rows and (len(row) > width + 1 or len(filled) < 2 or _setting(filled)):
+        spans = len(row) == width > 2  # one name above several columns
+        if rows and (len(row) > width + 1 or _setting(filled) or (len(filled) < 2 and not spans)):
             break
         if all(cell.lower().strip("[]()") in UNITS.keys() | OTHER_UNITS for cell in filled):
             units = [cell.lower().strip("[]()") for cell in row]
-        elif len(filled) >= min(2, width) or not rows:
+        elif len(filled) >= min(2, width) or spans or not rows:
             rows.insert(0, row)
         k -= 1
     return rows, units

@@ -15,7 +15,8 @@ DAY = 86400.0  # s
 MAX_STEPS_BACK = 0.01  # of the rows; with more of them, the rows are in no order
 MIN_JUMP = 1.0  # s; shorter ones are gaps
 JUMP_FACTOR = 20.0  # of the median interval
-MIN_SPEED = 0.05  # m/s of a body that was moving when the clock jumped
+MIN_SPEED = 0.1  # m/s of a body that was moving when the clock jumped
+SPAN = 6  # rows before and after over which that is measured
 
 
 class RepairedTimes(NamedTuple):
@@ -112,12 +113,16 @@ def repair_times(
 
 def _moves_on(positions: Sequence[Array], rows: NDArray[np.intp], k: int, interval: float) -> bool:
     """Return whether a body that moves makes no jump where the clock does."""
-    if k < 1 or k + 2 >= len(rows):
+    before, after = rows[max(0, k - SPAN) : k + 1], rows[k + 1 : k + 2 + SPAN]
+    if len(before) < 3 or len(after) < 3:
         return False
     for track in positions:
-        before, here, after, later = (track[rows[j]] for j in (k - 1, k, k + 1, k + 2))
-        usual = max(float(np.linalg.norm(here - before)), float(np.linalg.norm(later - after)))
-        step = float(np.linalg.norm(after - here))
-        if usual > MIN_SPEED * interval and step < 3.0 * usual:  # false where a number is missing
+        mean_steps = [
+            float(np.linalg.norm(track[part[-1]] - track[part[0]])) / (len(part) - 1)
+            for part in (before, after)
+        ]
+        step = float(np.linalg.norm(track[after[0]] - track[before[-1]]))
+        # false where a number is missing
+        if min(mean_steps) > MIN_SPEED * interval and step < 3.0 * max(mean_steps):
             return True
     return False

@@ -1,0 +1,36 @@
+"""Hand ids in other spellings."""
+
+import pytest
+
+from igrip.io.hand_ids import hand_side, is_hand, match_hand
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["right", "Right", "RIGHT", "R", "r", "right_hand", "Right Hand", "RightHand", "hand_right",
+     "hand.R", "rh", "RWrist", "rWrist", "right-palm", "R_INDEX", "righthand2"],
+)  # fmt: skip
+def test_right_hands(name):
+    assert hand_side(name) == "right"
+    assert is_hand(name)
+    assert match_hand(name, ["left", "right"]) == "right"
+
+
+@pytest.mark.parametrize(
+    "name", ["mug", "brighter", "hand_0", "bottle right", "", "LR", "left_right"]
+)
+def test_names_without_a_side(name):
+    assert hand_side(name) is None
+    assert match_hand(name, ["left", "right"]) is None
+
+
+@pytest.mark.parametrize("name", ["hand_0", "Palm", "wrist", "Hand"])
+def test_hands_of_unknown_side(name):
+    assert is_hand(name)
+
+
+def test_the_same_id_first():
+    assert match_hand("R", ["R", "right"]) == "R"
+    assert match_hand("Hand_0", ["hand_0", "hand_1"]) == "hand_0"
+    assert match_hand("right", ["RightHand", "LeftHand"]) == "RightHand"
+    assert match_hand("right", ["right_index", "right_palm"]) is None  # which?
