@@ -44,10 +44,11 @@ def test_a_port_that_is_taken_is_named():
     assert "Traceback" not in done.stderr
 
 
-def test_an_empty_input_ends_at_once():
+def test_an_empty_input_ends_at_once_and_is_an_error():
     done = stream("--in", "stdin", "--out", "stdout", stdin=subprocess.DEVNULL)
-    assert (done.returncode, done.stdout) == (0, "")
+    assert (done.returncode, done.stdout) == (2, "")
     assert "0 intentions" in done.stderr
+    assert "standard input is empty" in done.stderr
 
 
 def test_a_reader_that_goes_away_is_no_crash(tmp_path):

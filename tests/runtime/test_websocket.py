@@ -11,89 +11,18 @@ import urllib.request
 import msgspec
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect
 
-import igrip
 from igrip.intention import Intention
-from igrip.runtime.clock_sync import ArrivalClock
 from igrip.runtime.envelope import Sequencer
-from igrip.runtime.inputs import INPUTS
-from igrip.runtime.loop import Loop
-from igrip.runtime.options import Options
-from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.protocol import MAX_SIZE
 from igrip.runtime.websocket import MAX_BEHIND, TRY_LATER, _Client
 from mutate import garbled
-from runtime_fakes import PATIENCE, Clock, until
-from support import BOX, UPRIGHT
+from running_server import POSE, Running, observation, receive
+from runtime_fakes import PATIENCE, until
+from support import UPRIGHT
 
 AT_SENDING = {"age": 0, "valid_for": 0, "sent": 0}
 TOKEN = "sixteen-characters-or-more"
-POSE = {"model": BOX, "position": [0.3, 0.0, 0.0], "orientation": UPRIGHT}
-
-
-def observation(k, t=None):
-    position = [0.004 * k, 0.01 * random.Random(k).random(), 0.0]
-    return {
-        "t": 5e3 + k / 30.0 if t is None else t, "hands": {"right": {"position": position}},
-        "objects": {"box": POSE},
-    }  # fmt: skip
-
-
-def receive(client):
-    return json.loads(client.recv(timeout=PATIENCE))
-
-
-class Running:
-    """A loop at work in threads of this process, on a clock that the test sets."""
-
-    def __init__(self, catalog, token=None, assisted=("*",), observations=True, works=True):
-        config = igrip.Config(targets="paper", commitment={"assisted": assisted, "reliability": 0})
-        self.clock, self.updates = Clock(), 0
-        options = Options(port=0, token=token)
-        self.loop = Loop(
-            igrip.Estimator(catalog, config), ArrivalClock(clock=self.clock),
-            {"ws": INPUTS.get("ws")(options)} if observations else {},
-            {"ws": OUTPUTS.get("ws")(options)},
-        )  # fmt: skip
-        self.server = options.shared["websocket"]
-        self.loop.__enter__()
-        self.thread = threading.Thread(target=self.loop.run, args=(self._updated,), daemon=True)
-        if works:
-            self.thread.start()
-
-    def _updated(self, intentions):
-        self.updates += 1
-
-    def client(self, path, **options):
-        return connect(f"ws://127.0.0.1:{self.server.port}{path}", compression=None, **options)
-
-    def listener(self, path="/intentions"):
-        """Return a client that is among those that intentions go to."""
-        before = self.server.counts()["clients"]
-        client = self.client(path)
-        until(lambda: self.server.counts()["clients"] > before)
-        return client
-
-    def pass_time(self, seconds):
-        """Let time pass, and wait for the tick that notices it."""
-        before = self.updates
-        self.clock.t += seconds
-        until(lambda: self.updates > before)
-
-    def feed(self, source, k, encode=json.dumps):
-        """Send an observation a thirtieth of a second after the last, and wait for its update."""
-        before = self.updates
-        self.clock.t += 1.0 / 30.0
-        source.send(encode(observation(k)))
-        until(lambda: self.updates > before)
-
-    def close(self):
-        self.loop.finish()
-        if self.thread.ident is not None:
-            self.thread.join(PATIENCE)
-            assert not self.thread.is_alive()
-        self.loop.__exit__()
 
 
 @pytest.fixture

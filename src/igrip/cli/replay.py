@@ -17,7 +17,10 @@ from igrip.cli.summaries import print_dataset, print_recording, recording_summar
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
+from igrip.io.defects import DefectCounts
+from igrip.io.frames import DeclaredFrame
 from igrip.io.recordings import open_source, open_writer
+from igrip.io.ros2.bag_reader import is_bag
 from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
 from igrip.lab.evaluation.runner import EstimatorRun, count_jobs, run_trials, spread
 from igrip.objects.catalog import load_objects
@@ -26,7 +29,11 @@ from igrip.targets import TARGETS
 
 def replay(
     recording: Annotated[
-        Path, typer.Argument(help="A recording (.jsonl, .mcap) or a dataset's folder.")
+        Path,
+        typer.Argument(
+            help="A recording (.jsonl, .mcap), a bag of ROS 2 (.mcap, .db3, folder), or a "
+            "dataset's folder."
+        ),
     ],
     targets: Annotated[
         list[str] | None,
@@ -40,12 +47,20 @@ def replay(
     jobs: options.Jobs = 0,
     limit: options.Limit = 0,
     as_json: options.Json = False,
+    up: options.Up = None,
+    axes: options.Axes = None,
+    handedness: options.Handedness = None,
+    quaternions: options.Quaternions = "xyzw",
+    length_unit: options.LengthUnit = "m",
+    time_unit: options.TimeUnit = "s",
 ) -> None:
     """Run estimators over recordings and summarise the answers.
 
     Over a dataset: trial success and accuracy at 40 and 60 % of the movement for each estimator,
     over all trials as in `igrip evaluate`. With --out, each line also names its recording and
     estimator. Exit code 1 if some trials could not be scored.
+
+    A single recording of another frame or other units is converted: --up y --time-unit ms.
 
     Example: igrip replay near-far --targets paper --targets repaired
     """
@@ -54,18 +69,22 @@ def replay(
         TARGETS.get(config.targets)
     if not recording.exists():
         raise RecordingError(f"{recording}: no such file or folder")
-    if recording.is_dir():
+    frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
+    if recording.is_dir() and not is_bag(recording):
+        if not frame.is_default:
+            raise RecordingError("frame and units of a dataset are declared in its dataset.json")
         _replay_dataset(recording, configs, objects or [], out, jobs, limit, as_json)
     elif len(configs) > 1:
         raise RecordingError("name only one estimator for a single recording")
     else:
-        _replay_recording(recording, configs[0], objects or ["ycb"], out, as_json)
+        _replay_recording(recording, configs[0], objects or ["ycb"], out, as_json, frame)
 
 
 def _replay_recording(
-    path: Path, config: Config, objects: list[str], out: Path | None, as_json: bool
-) -> None:
-    source = open_source(path)
+    path: Path, config: Config, objects: list[str], out: Path | None, as_json: bool,
+    frame: DeclaredFrame,
+) -> None:  # fmt: skip
+    source = open_source(path, frame)
     run = EstimatorRun(load_objects(*objects), config)
     times = []
     with _writer(out) as write, progress(f"replaying {path.name}") as update:
@@ -74,16 +93,34 @@ def _replay_recording(
             for intention in run.update(observation):
                 write(intention)
             update(advance=1)
-    seconds = times[-1] - times[0] if times else 0.0
+    if not times:
+        raise RecordingError(f"{path}: holds no messages")
+    seconds = times[-1] - times[0]
     summary = recording_summary(str(path), config.targets, len(times), seconds, run.intentions)
-    cut = getattr(source, "cut", None)
-    summary |= {"cut": cut, "inputs": run.estimator.inputs()}
+    cut, defects = getattr(source, "cut", None), getattr(source, "defects", DefectCounts())
+    remarks = [*getattr(source, "remarks", []), *_missing(run)]
+    summary |= {
+        "cut": cut, "defects": defects.report(), "remarks": remarks,
+        "inputs": run.estimator.inputs(),
+    }  # fmt: skip
     if as_json:
         print_json(summary)
     else:
         print_recording(output, summary)
-    if cut:
-        warn(cut)
+    for text in [*([cut] if cut else []), *remarks, *defects.lines()]:
+        warn(text)
+
+
+def _missing(run: EstimatorRun) -> list[str]:
+    """Return what a recording lacks for any answer, as text."""
+    inputs = run.estimator.inputs()
+    remarks = [f"{id}: {state['reason']}" for id, state in inputs["objects"].items()
+               if not state["known"]]  # fmt: skip
+    if not inputs["hands"]:
+        remarks.append("no hand was seen: there is nothing to answer")
+    elif not inputs["objects"]:
+        remarks.append("no object was seen: there is no target to choose")
+    return remarks
 
 
 def _replay_dataset(

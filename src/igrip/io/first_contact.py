@@ -45,6 +45,8 @@ class FirstContact:
         """Add a message with the sender's times; return whether :attr:`findings` are new."""
         if message.is_tick:
             return False
+        if self._count >= MESSAGES:
+            self._begin()
         for entities, rows in ((message.hands, self._hands), (message.objects, self._objects)):
             for id, entity in entities.items():
                 if entity is not None:
@@ -53,12 +55,10 @@ class FirstContact:
         if self._count not in EARLY and self._count < MESSAGES:
             return False
         self.check()
-        if self._count >= MESSAGES:
-            self._begin()
         return True
 
     def check(self) -> list[Finding]:
-        """Check what was added since the last :data:`MESSAGES`; return the findings."""
+        """Check what was added, at most :data:`MESSAGES`; return the findings."""
         self.findings = check_samples(
             {id: _samples(rows) for id, rows in self._hands.items()},
             {id: _samples(rows) for id, rows in self._objects.items()},

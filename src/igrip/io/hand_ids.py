@@ -20,12 +20,12 @@ _PARTS = frozenset({
 _HAND_WORDS = _PARTS - {"marker", "tip", "index", "controller"}
 
 
-def hand_side(name: str) -> Side | None:
+def side_of(name: str) -> Side | None:
     """Return the side of a hand by its name; None where the name has none.
 
     Examples
     --------
-    >>> [hand_side(name) for name in ("Right", "L", "RightHand", "hand_l", "rWrist", "mug")]
+    >>> [side_of(name) for name in ("Right", "L", "RightHand", "hand_l", "rWrist", "mug")]
     ['right', 'left', 'right', 'left', 'right', None]
     """
     words = _words(name)
@@ -38,7 +38,7 @@ def hand_side(name: str) -> Side | None:
 
 def is_hand(name: str) -> bool:
     """Return whether a name is that of a hand or a part of it."""
-    return hand_side(name) is not None or any(word in _HAND_WORDS for word in _words(name))
+    return side_of(name) is not None or any(word in _HAND_WORDS for word in _words(name))
 
 
 def match_hand(name: str, known: Collection[str]) -> str | None:
@@ -56,8 +56,8 @@ def match_hand(name: str, known: Collection[str]) -> str | None:
     alike = [id for id in known if _words(id) == _words(name)]
     if len(alike) == 1:
         return alike[0]
-    side = hand_side(name)
-    same = [id for id in known if side is not None and hand_side(id) == side]
+    side = side_of(name)
+    same = [id for id in known if side is not None and side_of(id) == side]
     return same[0] if len(same) == 1 else None
 
 

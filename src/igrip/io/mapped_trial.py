@@ -12,7 +12,7 @@ from igrip.errors import DatasetError
 from igrip.io.cells.values import known_text, number
 from igrip.io.column_map import ColumnMap
 from igrip.io.column_names import near_miss
-from igrip.io.hand_ids import hand_side, match_hand
+from igrip.io.hand_ids import side_of, match_hand
 from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
 from igrip.io.plausibility import Finding, Samples, check_samples, refusal
 from igrip.io.recorded_reach import MovingObject, RecordedReach
@@ -166,13 +166,13 @@ class TrialReader:
                 f"column (hands of the take: {choices})"
             )
         if TRIAL_HAND in take.tracks:
-            return hand_side(named) or named, TRIAL_HAND
+            return side_of(named) or named, TRIAL_HAND
         id = match_hand(named, list(hands))
         if id is None:
             bodies = ", ".join(key for key in take.tracks if not key.startswith(TRIAL_HAND))
             raise DatasetError(
                 f"{self._where}: hand {named!r} is none of {', '.join(hands) or 'no known hand'}; "
-                f'name its body: [hands.{hand_side(named) or "right"}] body = "…" '
+                f'name its body: [hands.{side_of(named) or "right"}] body = "…" '
                 f"(bodies: {bodies})"
             )
         return id, hands[id]

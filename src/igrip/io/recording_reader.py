@@ -72,12 +72,15 @@ class RecordingReader(ABC):
         understood or its numbers are refused. The message names the place in the file.
     """
 
+    may_be_folder = False
+
     def __init__(self, path: str | Path, frame: DeclaredFrame | None = None) -> None:
         self.path = Path(path)
         self._frame = frame or DeclaredFrame()
         self._begin()
-        if not self.path.exists() or self.path.is_dir():
-            problem = "is a folder" if self.path.is_dir() else "no such file"
+        is_folder = self.path.is_dir() and not self.may_be_folder
+        if not self.path.exists() or is_folder:
+            problem = "is a folder" if is_folder else "no such file"
             raise RecordingError(f"{self.path}: {problem}")
 
     def _begin(self) -> None:
@@ -127,7 +130,7 @@ class RecordingReader(ABC):
             options = options_that_fix(findings)
             hint = f" If so, declare it: {options}" if options else ""
             raise RecordingError(f"{self.path}: {problem}{hint}")
-        self.remarks = [finding.text for finding in findings]
+        self.remarks += [finding.text for finding in findings]
 
     def _decoded(self) -> Iterator[Placed]:
         """Yield the messages that can be understood."""

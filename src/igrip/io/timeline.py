@@ -50,7 +50,9 @@ def order_times(
             if sum(later < last for later in coming[:AHEAD]) < AGREEING:
                 note(Defect("skipped", "t", f"steps back by {last - t:.6g} s"), place)
                 continue
-            note(Defect("corrected", "t", f"steps back by {last - t:.6g} s for good"), place)
+            note(
+                Defect("corrected", "t", f"steps back by {last + period - t:.6g} s for good"), place
+            )
             offset += last + period - t
             t = last + period
         elif t - last > max(MIN_JUMP, 20.0 * period):

@@ -84,7 +84,7 @@ class SenderClock(RunClock):
     def __init__(self) -> None:
         super().__init__()
         self._offset = 0.0
-        self._behind = 0
+        self._behind, self._lag = 0, 0.0  # messages in a row, and by how much at most [s]
 
     def now(self) -> float:
         """Return the newest time that the sender gave [s]."""
@@ -93,9 +93,11 @@ class SenderClock(RunClock):
     def stamp(self, message: Observation, arrived: float, offset: ClockOffset) -> Observation:
         """Return a message as it is dated; a late one keeps its time as that of measurement."""
         t = message.t + self._offset
-        self._behind = self._behind + 1 if t < self._newest - STEP else 0
+        behind = t < self._newest - STEP
+        self._behind = self._behind + 1 if behind else 0
+        self._lag = max(self._lag, self._newest - t) if behind else 0.0
         if self._behind >= STEP_MESSAGES:
-            offset.note_step(t - self._newest, f"at t = {message.t:.6g}")
+            offset.note_step(-self._lag, f"at t = {message.t:.6g}")
             self._offset, self._behind = self._newest - message.t, 0
             t = self._newest
         elif t > self._newest + MIN_AHEAD and self._newest > 0.0:

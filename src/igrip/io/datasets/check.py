@@ -95,8 +95,7 @@ def check_trial(dataset: Dataset, trial: Trial, models: Collection[str]) -> list
             content.add(observation)
     except IgripError as error:
         return [*flaws, Flaw("error", str(error))]
-    if source.cut:
-        flaws.append(Flaw("remark", source.cut))
+    flaws += [Flaw("remark", text) for text in _damage(source)]
     if not content.times:
         return [*flaws, Flaw("error", "the recording is empty")]
     flaws += _task_flaws(trial, content)
@@ -165,6 +164,13 @@ def _task_flaws(trial: Trial, content: _Content) -> list[Flaw]:
     if (trial.onset_s is None) != (trial.end_s is None):
         flaws.append(Flaw("remark", "its onset or its end is missing, so both will be estimated"))
     return flaws
+
+
+def _damage(source: object) -> list[str]:
+    """Return what was damaged in a recording that was read, and what is unusual."""
+    cut, defects = getattr(source, "cut", None), getattr(source, "defects", None)
+    remarks = [*([cut] if cut else []), *getattr(source, "remarks", [])]
+    return remarks + (list(defects.lines()) if defects else [])
 
 
 def _list(ids: Collection[str]) -> str:

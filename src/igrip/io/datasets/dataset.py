@@ -18,11 +18,10 @@ from typing import Any
 from igrip.errors import DatasetError, RecordingError
 from igrip.io.cells.values import known_text
 from igrip.io.column_names import near_miss, shortened
-from igrip.io.datasets.framed import FramedSource
 from igrip.io.datasets.trial import COLUMNS, Trial, read_rows, read_trials, recording_name
 from igrip.io.frames import DeclaredFrame, FrameError
 from igrip.io.hand_ids import match_hand
-from igrip.io.recordings import SOURCES, open_source
+from igrip.io.recordings import SOURCES, Source, open_source
 from igrip.io.recordings.jsonl import JsonlWriter
 from igrip.io.text import TextError, read_text
 from igrip.observation import Observation
@@ -131,7 +130,7 @@ class Dataset:
         except (FrameError, TypeError, AttributeError) as error:
             raise DatasetError(f"{self.path / 'dataset.json'}: frame: {error}") from None
 
-    def observations(self, trial: Trial) -> FramedSource:
+    def observations(self, trial: Trial) -> Source:
         """Open a trial's recording; its observations are in igrip's frame.
 
         Raises
@@ -139,7 +138,7 @@ class Dataset:
         RecordingError
             If there is none.
         """
-        return FramedSource(open_source(self.recording(trial)), self.frame)
+        return open_source(self.recording(trial), self.frame)
 
     def with_hand(self, trial: Trial) -> Trial:
         """Return the trial with its hand's id as the recording has it (``Right`` is ``right``)."""

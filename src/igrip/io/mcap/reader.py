@@ -6,12 +6,14 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from igrip.errors import RecordingError, requires_extra
+from igrip.errors import ObservationError, RecordingError, requires_extra
+from igrip.io.defects import Defect
 from igrip.io.frames import DeclaredFrame
 from igrip.io.mcap.frames import FrameAssembler
 from igrip.io.mcap.messages import OBSERVATIONS
 from igrip.io.mcap.records import Record, Unpacker, packed_records
 from igrip.io.recording_reader import RecordingReader, StoredMessage
+from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics
 from igrip.rgbd import RgbdFrame
 
 
@@ -28,20 +30,30 @@ class McapReader(RecordingReader):
         super().__init__(path, frame)
 
     def stored_messages(self) -> Iterator[StoredMessage]:
-        """Yield the messages of the topic of observations.
+        """Yield the messages of the topic of observations, or the transforms and poses of ROS 2.
 
         Raises
         ------
         RecordingError
-            If there is no such topic; the message lists those that are there.
+            If there are none; the message lists the topics that are there.
         """
-        topics: Counter[str] = Counter()
+        topics: Counter[tuple[str, str]] = Counter()
+        ros: RosMessages | None = None
         for record in self.records(skip_damaged=True):
-            topics[f"{record.topic} ({record.schema})"] += 1
+            topics[record.topic, record.schema] += 1
+            place = f"message {record.number} of {record.topic}"
             if record.topic == OBSERVATIONS:
-                yield StoredMessage(f"message {record.number} of {record.topic}", record.data)
-        if topics and not any(name.startswith(f"{OBSERVATIONS} ") for name in topics):
-            raise RecordingError(f"{self.path}: {describe_topics(topics)}")
+                yield StoredMessage(place, record.data)
+            elif record.encoding == "cdr" and record.schema in READABLE:
+                ros = ros or RosMessages()
+                try:
+                    content = ros.read(record.topic, record.schema, record.t, record.data)
+                except ObservationError as error:
+                    self.defects.add(Defect("skipped", "messages", str(error)), place)
+                else:
+                    yield StoredMessage(place, content)
+        if topics and ros is None and not any(topic == OBSERVATIONS for topic, _ in topics):
+            raise RecordingError(f"{self.path} {describe_topics(topics)}")
 
     def frames(self) -> Iterator[RgbdFrame]:
         """Yield the frames of all cameras as they were recorded, each camera's in order of time."""
@@ -84,13 +96,3 @@ class McapReader(RecordingReader):
 
     def _malformed(self, record: Record, error: Exception) -> RecordingError:
         return RecordingError(f"{self.path}, message {record.number} of {record.topic}: {error}")
-
-
-def describe_topics(topics: Counter[str]) -> str:
-    """Return what is in a file without observations, and what could be read."""
-    listed = [f"{name}: {count} messages" for name, count in topics.most_common(12)]
-    more = f", and {len(topics) - 12} more topics" if len(topics) > 12 else ""
-    return (
-        f"no observations of igrip (topic {OBSERVATIONS}). It holds {', '.join(listed)}{more}. "
-        "Of ROS 2, tf2_msgs/TFMessage and geometry_msgs/PoseStamped are read"
-    )

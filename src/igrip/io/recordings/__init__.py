@@ -8,6 +8,7 @@ from pathlib import Path
 
 from igrip.errors import RecordingError, UnknownNameError
 from igrip.io.files import RecordingWriter
+from igrip.io.frames import DeclaredFrame
 from igrip.observation import Observation
 from igrip.registry import Registry
 
@@ -24,30 +25,34 @@ class RecordingFormat:
     reader : function
         Open a file for reading. If the recording was cut off, the attribute ``cut`` of what it
         returns says where after an iteration.
-    writer : function
-        Open a file for writing; an existing file is replaced.
+        It takes the declared frame of the messages as its second argument.
+    writer : function, optional
+        Open a file for writing; an existing file is replaced. None: files can only be read.
     """
 
-    reader: Callable[[str], Source]
-    writer: Callable[[str], RecordingWriter]
+    reader: Callable[..., Source]
+    writer: Callable[[str], RecordingWriter] | None = None
 
-    def __call__(self, path: str) -> Source:
+    def __call__(self, path: str, frame: DeclaredFrame | None = None) -> Source:
         """Open a file for reading."""
-        return self.reader(path)
+        return self.reader(path) if frame is None else self.reader(path, frame)
 
 
 # a source of a third party may be any function from the name to observations
 SOURCES: Registry[OpenSource] = Registry("source", "igrip.io.recordings", "igrip.sources")
 
 
-def open_source(name: str | Path) -> Source:
+def open_source(name: str | Path, frame: DeclaredFrame | None = None) -> Source:
     """Open a recording or a live source.
 
     Parameters
     ----------
     name : str or Path
         A file with a known ending, for example ``reach.jsonl``; or ``scheme:rest``. The name of a
-        format is a scheme too: ``jsonl:reach.txt`` reads a file with any ending.
+        format is a scheme too: ``jsonl:reach.txt`` reads a file with any ending. A folder may be a
+        bag of ROS 2.
+    frame : DeclaredFrame, optional
+        Frame and units of the messages; of files only.
 
     Returns
     -------
@@ -62,7 +67,11 @@ def open_source(name: str | Path) -> Source:
         If a recording cannot be opened.
     """
     source, rest = _find(name, "source")
-    return source(rest)
+    if frame is None or frame.is_default:
+        return source(rest)
+    if not isinstance(source, RecordingFormat):
+        raise RecordingError(f"{name}: the frame of this source cannot be declared")
+    return source(rest, frame)
 
 
 def open_writer(name: str | Path) -> RecordingWriter:
@@ -81,7 +90,7 @@ def open_writer(name: str | Path) -> RecordingWriter:
         If the file cannot be opened.
     """
     source, rest = _find(name, "recording format")
-    if not isinstance(source, RecordingFormat):
+    if not isinstance(source, RecordingFormat) or source.writer is None:
         raise RecordingError(f"{name}: this source can only be read")
     return source.writer(rest)
 
@@ -94,6 +103,8 @@ def _find(name: str | Path, family: str) -> tuple[OpenSource, str]:
     if colon and scheme in known:
         source = SOURCES.get(scheme)
         return source, rest if isinstance(source, RecordingFormat) else text
+    if (Path(text) / "metadata.yaml").is_file():
+        return SOURCES.get("ros2"), text
     ending = Path(text).suffix.lower().removeprefix(".")
     if ending not in known:
         choices = [f".{other}" for other in known] + [f"{other}:…" for other in known]

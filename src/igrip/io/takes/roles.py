@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from igrip.io.hand_ids import hand_side, is_hand
+from igrip.io.hand_ids import side_of, is_hand
 from igrip.io.takes.take import Take
 
 
@@ -12,7 +12,7 @@ def hands_of(take: Take) -> dict[str, str]:
     rigid = [key for key in named if take.kinds[key] != "marker"] or named
     found: dict[str, str] = {}
     for key in rigid:
-        found.setdefault(hand_side(key) or "right", key)
+        found.setdefault(side_of(key) or "right", key)
     return found
 
 

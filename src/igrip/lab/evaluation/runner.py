@@ -7,7 +7,7 @@ import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeVar
 
@@ -68,7 +68,7 @@ class TrialRun:
     estimators: Sequence[EstimatorRun]  # one per configuration
     objects: list[PlacedObject] = field(default_factory=list)  # at the onset, or else at the end
     unknown_objects: list[str] = field(default_factory=list)  # without a model, with the reason
-    cut: str | None = None  # where the recording was cut off
+    cut: str | None = None  # where the recording was cut off, and what was damaged in it
     problem: str | None = None  # why there is nothing to score
 
     @property
@@ -91,12 +91,14 @@ def run_trial(
         run.recorded.trial = trial
         reader = dataset.observations(trial)
         for observation in reader:
+            if not run.recorded.times:
+                run.recorded.trial = trial = shift_trial(trial, getattr(reader, "shift", 0.0))
             run.recorded.add(observation)
             for estimator in run.estimators:
                 estimator.update(observation)
             if trial.onset_s is None or observation.t <= trial.onset_s or not run.objects:
                 run.objects = first.objects
-        run.cut = getattr(reader, "cut", None)
+        run.cut = describe_damage(reader)
     except IgripError as error:
         run.problem = str(error)
     except Exception as error:  # one odd recording must not end the evaluation of all others
@@ -106,6 +108,22 @@ def run_trial(
         f"{id}: {state['reason']}" for id, state in inputs.items() if not state["known"]
     )
     return run
+
+
+def shift_trial(trial: Trial, shift: float) -> Trial:
+    """Return a trial on the clock of its recording, which adds ``shift`` [s] to all times."""
+    if not shift:
+        return trial
+    onset, end = (None if t is None else t + shift for t in (trial.onset_s, trial.end_s))
+    return replace(trial, onset_s=onset, end_s=end)
+
+
+def describe_damage(reader: object) -> str | None:
+    """Return what was damaged in a recording that was read, and what is unusual; None: nothing."""
+    cut, remarks = getattr(reader, "cut", None), getattr(reader, "remarks", [])
+    defects = getattr(reader, "defects", None)
+    lines = [*([cut] if cut else []), *remarks, *(defects.lines() if defects else [])]
+    return "; ".join(lines) or None
 
 
 def run_trials(

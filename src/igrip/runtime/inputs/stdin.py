@@ -9,6 +9,7 @@ from typing import BinaryIO
 from igrip.errors import IgripError, ObservationError
 from igrip.io import text
 from igrip.io.recording_reader import EXAMPLE
+from igrip.observation import Observation
 from igrip.runtime.inputs import INPUTS
 from igrip.runtime.loop import Loop, Sender
 from igrip.runtime.options import Options
@@ -42,7 +43,7 @@ def read_lines(file: BinaryIO, loop: Loop, sender: Sender | None = None) -> None
     there is nothing in it.
     """
     sender = sender or Sender(name="standard input")
-    first = None
+    first, commands = None, 0
     for line in text.read_lines(file, MAX_SIZE + 2):
         try:
             if line.too_long:
@@ -52,16 +53,14 @@ def read_lines(file: BinaryIO, loop: Loop, sender: Sender | None = None) -> None
             loop.count("malformed")
             first = first or f"line {line.number}: {error}"
             continue
+        commands += not isinstance(message, Observation)
         loop.submit(message, sender, wait=loop.piped)
         if loop.piped and sender.refusal is not None:
             return  # the loop ends with an error
     if not loop.piped:
         return
-    if sender.accepted or first is None:
+    if sender.accepted or commands:
         loop.finish()
-    else:
-        loop.finish(
-            IgripError(
-                f"standard input, {first}. No message can be read; each line must be like {EXAMPLE}"
-            )
-        )
+        return
+    found = f", {first}. No message can be read" if first else " is empty"
+    loop.finish(IgripError(f"standard input{found}; each line must be like {EXAMPLE}"))

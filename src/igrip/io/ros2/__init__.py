@@ -1,0 +1,1 @@
+"""Recordings of ROS 2: transforms and poses as observations."""
