@@ -2,7 +2,7 @@
 
 import pytest
 
-from igrip.io.hand_ids import side_of, is_hand, match_hand
+from igrip.io.hand_ids import is_hand, match_hand, side_of
 
 
 @pytest.mark.parametrize(

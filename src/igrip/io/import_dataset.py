@@ -9,7 +9,7 @@ from typing import Any
 from igrip.errors import DatasetError, IgripError
 from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
 from igrip.io.importers import Importer, ReachReader, RecordedReach
-from igrip.io.resampling import ImportOptions, resample
+from igrip.io.resampling import ImportOptions, observations_of
 from igrip.objects.catalog import Catalog
 
 
@@ -65,13 +65,12 @@ def import_dataset(
         for read in reaches:
             try:
                 reach = read()
-                observations = resample(reach, catalog, options)
+                writer.add(_trial(reach, onset), observations_of(reach, catalog, options))
             except IgripError as error:
                 if problems is None:
                     raise
                 problems.append(str(error))
             else:
-                writer.add(_trial(reach, onset), observations)
                 _note(derived, reach)
                 written += 1
             on_progress()

@@ -12,7 +12,7 @@ from igrip.errors import DatasetError
 from igrip.io.cells.values import known_text, number
 from igrip.io.column_map import ColumnMap
 from igrip.io.column_names import near_miss
-from igrip.io.hand_ids import side_of, match_hand
+from igrip.io.hand_ids import match_hand, side_of
 from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
 from igrip.io.plausibility import Finding, Samples, check_samples, refusal
 from igrip.io.recorded_reach import MovingObject, RecordedReach

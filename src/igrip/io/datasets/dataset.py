@@ -214,9 +214,14 @@ class DatasetWriter:
         _check_name(trial.recording)
         if (self.path / "recordings" / f"{trial.recording}.jsonl").exists():
             raise DatasetError(f"two recordings are named {trial.recording!r}")
-        with JsonlWriter(self.path / "recordings" / f"{trial.recording}.jsonl") as file:
-            for observation in observations:
-                file.write(observation)
+        path = self.path / "recordings" / f"{trial.recording}.jsonl"
+        try:
+            with JsonlWriter(path) as file:
+                for observation in observations:
+                    file.write(observation)
+        except BaseException:
+            path.unlink(missing_ok=True)  # the trial is not added
+            raise
         self._trials.append(trial)
 
     def close(self, participants: Mapping[str, Mapping[str, str]] | None = None) -> Dataset:

@@ -16,6 +16,7 @@ MAX_STEPS_BACK = 0.01  # of the rows; with more of them, the rows are in no orde
 MIN_JUMP = 1.0  # s; shorter ones are gaps
 JUMP_FACTOR = 20.0  # of the median interval
 MIN_SPEED = 0.1  # m/s of a body that was moving when the clock jumped
+MIN_ROWS = 10  # fewer show no usual step
 SPAN = 6  # rows before and after over which that is measured
 
 
@@ -78,7 +79,13 @@ def repair_times(
     if len(back) > max(3.0, MAX_STEPS_BACK * len(kept)):
         remarks.append("the rows are not in order of time and were sorted")
         order = np.argsort(kept, kind="stable")
-        kept, rows, back = kept[order], rows[order], back[:0]
+        kept, rows = kept[order], rows[order]
+    odd = _odd_rows(kept)
+    if odd.any():
+        first = lines[rows[int(np.flatnonzero(odd)[0])]]
+        remarks.append(f"{int(odd.sum())} rows with an odd time left out, first in line {first}")
+        kept, rows = kept[~odd], rows[~odd]
+    back = np.flatnonzero(np.diff(kept) < 0)
     steps = np.diff(kept)
     usual = steps[steps > 0]
     if not len(usual):
@@ -109,6 +116,22 @@ def repair_times(
         keep = np.concatenate([[True], np.diff(new) > 0])
         new, rows = new[keep], rows[keep]
     return RepairedTimes(new, rows, interval, remarks)
+
+
+def _odd_rows(times: Array) -> NDArray[np.bool_]:
+    """Return single rows whose times are far from those of their neighbours, which agree."""
+    odd = np.zeros(len(times), dtype=bool)
+    steps = np.diff(times)
+    if len(steps) < MIN_ROWS:
+        return odd
+    interval = float(np.median(np.abs(steps)))
+    limit = max(MIN_JUMP, JUMP_FACTOR * interval)
+    far = np.abs(steps) > limit
+    across = np.abs(times[2:] - times[:-2])
+    odd[1:-1] = far[:-1] & far[1:] & (across < limit)
+    odd[0] = far[0] and not far[1]
+    odd[-1] = far[-1] and not far[-2]
+    return odd
 
 
 def _moves_on(positions: Sequence[Array], rows: NDArray[np.intp], k: int, interval: float) -> bool:

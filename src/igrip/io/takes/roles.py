@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from igrip.io.hand_ids import side_of, is_hand
+from igrip.io.hand_ids import is_hand, side_of
 from igrip.io.takes.take import Take
 
 
