@@ -1,5 +1,7 @@
 """Tables of a layout of one's own, read by a map of columns."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -159,3 +161,11 @@ def test_a_trial_in_two_tables_is_refused(tmp_path):
     (tmp_path / "takes_again.csv").write_bytes((tmp_path / "takes.csv").read_bytes())
     with pytest.raises(DatasetError, match="is in two tables"):
         imported(tmp_path, tmp_path / "out")
+
+
+def test_the_map_in_the_documentation_is_valid(tmp_path):
+    text = (Path(__file__).parents[2] / "docs" / "importing.md").read_text()
+    (tmp_path / "map.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    columns = read_column_map(tmp_path / "map.toml")
+    assert columns.declared.missing == ("lost", "-1.0")
+    assert columns.objects["mug"].body == "Mug"
