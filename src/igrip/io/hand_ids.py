@@ -15,9 +15,12 @@ _SIDES: dict[str, Side] = {
 _PARTS = frozenset({
     "hand", "palm", "wrist", "fist", "glove", "index", "finger", "fingertip", "thumb", "knuckle",
     "controller", "marker", "tip",
+    "fin", "wra", "wrb",  # the hand and the wrist of Plug-in Gait
 })  # fmt: skip
 
 _HAND_WORDS = _PARTS - {"marker", "tip", "index", "controller"}
+
+_JOINED = re.compile(r"(right|left|r|l)(hand|palm|wrist|index|thumb|finger|fin|wra|wrb)")
 
 
 def side_of(name: str) -> Side | None:
@@ -67,6 +70,6 @@ def _words(name: str) -> list[str]:
     words = [word.lower() for word in re.findall(r"[^\W\d_]+|\d+", apart)]
     joined: list[str] = []
     for word in words:  # "righthand", "lwrist"
-        match = re.fullmatch(r"(right|left|r|l)(hand|palm|wrist|index|thumb|finger)", word)
+        match = _JOINED.fullmatch(word)
         joined += list(match.groups()) if match else [word]
     return joined

@@ -162,7 +162,7 @@ def map_from(inspections: Sequence[Inspection]) -> str:
     for id, key in objects_of(take).items():
         turns = take.tracks[key].orientations is not None
         lines += [
-            f"[objects.{_key(_identifier(id))}]",
+            f"[objects.{_key(id)}]",
             f"body = {json.dumps(key, ensure_ascii=False)}",
             '# model = "025_mug"  # in the catalogue; else that of --mesh',
         ]
@@ -212,10 +212,6 @@ def _pattern(names: Sequence[str]) -> str:
     while len({name[: common + 1] for name in names}) == 1 and common < len(names[0]):
         common += 1
     return names[0][:common] + "*"
-
-
-def _identifier(name: str) -> str:
-    return "object" if name == "none" else name
 
 
 def _key(name: str) -> str:

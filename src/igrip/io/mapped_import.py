@@ -83,15 +83,23 @@ class ColumnMapImporter:
         takes: dict[str, Take | DatasetError] = {}
         origin: dict[str, str] = {}
         found = False
+        others: list[DatasetError] = []
         for name, source in files.opened.items():
             if name == self._map.trials.table or not _matches(
                 name, source, self._map.samples.table
             ):
                 continue
             found = True
-            if isinstance(source, DatasetError):
-                raise source
-            for trial, take in takes_in(name, source, self._map, self._declared).items():
+            try:
+                if isinstance(source, DatasetError):
+                    raise source
+                read = takes_in(name, source, self._map, self._declared)
+            except DatasetError as error:
+                if not self._may_be_no_take(source):
+                    raise
+                others.append(error)
+                continue
+            for trial, take in read.items():
                 if trial in takes:
                     raise DatasetError(
                         f"trial {trial!r} is in two tables, {name!r} is the second, after "
@@ -105,7 +113,16 @@ class ColumnMapImporter:
                 f"no table of samples matches {pattern!r}{near_miss(pattern.strip('*'), names)}; "
                 f"found {', '.join(names) or 'none'}"
             )
+        if not takes and others:
+            raise others[0]
         return takes
+
+    def _may_be_no_take(self, source: Table | Path | DatasetError) -> bool:
+        """Return whether a file is looked at only since the map names no files of samples."""
+        samples = self._map.samples
+        named = samples.table != "*" or samples.columns is not None
+        holds_bodies = isinstance(source, Table) and bool(source.layout.bodies)
+        return not named and not holds_bodies
 
 
 def _matches(name: str, source: Table | Path | DatasetError, pattern: str) -> bool:

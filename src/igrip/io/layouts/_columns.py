@@ -19,10 +19,16 @@ OTHER_UNITS = frozenset({
     "s", "sec", "ms", "us", "µs", "hz", "deg", "degrees", "°", "rad", "radians", "px", "n", "v",
     "mm/s", "m/s", "mm/s^2", "m/s^2", "deg/s", "rad/s", "n.mm", "n.m", "quat",
 })  # fmt: skip
-TIMES = frozenset({
-    "t", "time", "times", "timestamp", "time stamp", "seconds", "sec", "time (seconds)", "time (s)",
-    "time(s)", "time [s]", "time_s", "elapsed time", "elapsed",
-})  # fmt: skip
+TIME_UNITS = {
+    "s": "s", "sec": "s", "secs": "s", "second": "s", "seconds": "s",
+    "ms": "ms", "msec": "ms", "milliseconds": "ms", "us": "us", "µs": "us", "microseconds": "us",
+    "ns": "ns", "nanoseconds": "ns",
+}  # fmt: skip
+_TIME = re.compile(
+    r"(?:t|times?|time[\s_]?stamps?|elapsed(?:[\s_]time)?|seconds|sec)"
+    r"(?:[\s_]*[\[(]?(?P<unit>" + "|".join(TIME_UNITS) + r")[\])]?)?"
+)
+_NAMED_UNIT = re.compile(r".*[xyz][\s_]*[(\[_]?(mm|cm|m)[)\]]?")
 FRAMES = frozenset({"frame", "frame#", "frame number", "frames", "frame_number", "sample", "index"})
 _COMPONENT = re.compile(
     r"(?P<body>.*?)[\s_.:/|-]*(?:"
@@ -32,7 +38,8 @@ _COMPONENT = re.compile(
     r")",
     re.IGNORECASE,
 )
-_WORDS = re.compile(r"[a-z]{3,}[xyz]", re.IGNORECASE)  # "index", "matrix": no coordinates
+_BEFORE = re.compile(r"(?P<position>[xyz])[\s_.:-]+(?P<body>[^\W\d][^()\[\]]*)", re.IGNORECASE)
+_WORDS = re.compile(r"[A-Z]?[a-z]{2,}[xyz]|[A-Z]{3,}[XYZ]")  # "index", "matrix": no coordinates
 
 
 def plain_layout(head: Head) -> Layout:
@@ -44,17 +51,32 @@ def plain_layout(head: Head) -> Layout:
     paths = _paths(names, width)
     bodies = named_bodies(paths)
     lowered = [path[-1].lower() if path else "" for path in paths]
+    time, time_unit = _time_column(lowered, units)
     lengths = {UNITS[unit] for unit in units if unit in UNITS}
+    lengths |= {
+        UNITS[match[1]] for name in lowered if (match := _NAMED_UNIT.fullmatch(name)) is not None
+    }
     return Layout(
         name="table" if names else "table without a header",
         first=head.start + index,
         stop=head.stop,
         paths=paths,
         bodies=bodies,
-        time=next((k for k, name in enumerate(lowered) if name in TIMES), None),
+        time=time,
         frame=next((k for k, name in enumerate(lowered) if name in FRAMES), None),
         length_unit=lengths.pop() if len(lengths) == 1 else None,
+        time_unit=time_unit,
     )
+
+
+def _time_column(names: Sequence[str], units: Sequence[str]) -> tuple[int | None, str | None]:
+    """Return the column of times and its unit, as far as the header has them."""
+    for k, name in enumerate(names):
+        match = _TIME.fullmatch(name)
+        if match is not None:
+            word = match["unit"] or (units[k] if k < len(units) else "")
+            return k, TIME_UNITS.get(word)
+    return None, None
 
 
 def named_bodies(paths: Sequence[Sequence[str]]) -> tuple[BodyColumns, ...]:
@@ -86,7 +108,10 @@ def _component(path: Sequence[str]) -> tuple[str, str] | None:
     last = path[-1]
     match = _COMPONENT.fullmatch(last)
     if match is None or _WORDS.fullmatch(last):
-        return None
+        match = _BEFORE.fullmatch(last)  # x_hand
+        if match is None or match["body"].lower() in UNITS:
+            return None
+        return match["body"], match["position"].lower()
     axis = match["position"] or match["turn"] or match["quaternion"]
     above = "/".join(path[:-1])
     turns = match["position"] is None or any("rot" in part.lower() for part in path[:-1])

@@ -7,6 +7,7 @@ above its three columns; X1 Y1 Z1 …; and mostly a blank line.
 from __future__ import annotations
 
 from igrip.errors import DatasetError
+from igrip.io.cells.dialect import BLANKS
 from igrip.io.layouts import LAYOUTS, BodyColumns, Head, Layout
 from igrip.io.layouts._columns import UNITS
 
@@ -20,13 +21,16 @@ def trc(head: Head) -> Layout | None:
     if not 3 <= names < len(rows) - 1:
         raise DatasetError(f"{head.path}: is a TRC file without the row 'Frame#, Time, …'")
     settings = dict(zip((cell.lower() for cell in rows[1]), rows[2], strict=False))
-    axes = rows[names + 1]
-    width = max(len(axes), len(rows[names]))
+    axes, markers = list(rows[names + 1]), list(rows[names])
+    if head.dialect.separator == BLANKS:  # the empty cells of the header are lost
+        axes = ["", "", *axes]
+        markers = [*markers[:2], *(cell for name in markers[2:] for cell in (name, "", ""))]
+    width = max(len(axes), len(markers))
     current = ""
     paths: list[tuple[str, ...]] = []
     bodies: list[BodyColumns] = []
     for k in range(width):
-        name = rows[names][k] if k < len(rows[names]) else ""
+        name = markers[k] if k < len(markers) else ""
         axis = axes[k] if k < len(axes) else ""
         if k < 2:
             paths.append((name,))
