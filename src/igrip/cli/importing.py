@@ -21,6 +21,7 @@ from igrip.io.mapped_import import ColumnMapImporter
 from igrip.io.resampling import ImportOptions
 from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
+from igrip.io.text import TextError, read_text
 from igrip.lab.evaluation.runner import spread
 from igrip.objects.catalog import Catalog, load_objects
 
@@ -206,8 +207,8 @@ def _inspect(
 def _only(reaches: Sequence[ReachReader], file: Path) -> list[ReachReader]:
     """Return the reaches of the participants named in a file."""
     try:
-        people = set(file.read_text(encoding="utf-8").split())
-    except (OSError, ValueError) as error:
+        people = set(read_text(file).split())
+    except (OSError, TextError) as error:
         raise DatasetError(f"{file}: cannot be read as a list of people: {error}") from error
     kept = [read for read in reaches if _participant(read) in people]
     if not kept:

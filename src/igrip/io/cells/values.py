@@ -16,7 +16,10 @@ MISSING = frozenset({
 UNKNOWN_TEXTS = frozenset({"", "n/a"})
 """What a cell of texts holds where its text is not known: nothing, or ``n/a`` as in BIDS."""
 _DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d|\d{8}T\d")
-_CLOCK = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2}(?:[.,:]\d+)?)")
+_CLOCK = re.compile(
+    r"(?:\d{1,4}[./-]\d{1,2}[./-]\d{1,4}[ T])?"  # a date in any order: only the time counts
+    r"(?:(\d{1,3}):)?(\d{1,2}):(\d{1,2}(?:[.,:]\d+)?)\s*([AaPp][Mm])?"
+)
 
 
 def number(text: str, decimal: str = ".", missing: Collection[str] = ()) -> float | None:
@@ -56,12 +59,18 @@ def known_text(text: str) -> str | None:
 
 
 def clock_time(text: str) -> float | None:
-    """Return a time of day ``hh:mm:ss.fff`` in seconds; None if it is none."""
+    """Return a time of day ``hh:mm:ss.fff`` in seconds; None if it is none.
+
+    The hours may be missing; a date before it is left out, and ``PM`` after it is known.
+    """
     match = _CLOCK.fullmatch(text.strip())
     if not match:
         return None
+    hours, half = int(match[1] or 0), (match[4] or "").lower()
+    if half:
+        hours = hours % 12 + (12 if half == "pm" else 0)
     fraction = match[3].replace(",", ".").replace(":", ".")
-    return 3600.0 * int(match[1]) + 60.0 * int(match[2]) + float(fraction)
+    return 3600.0 * hours + 60.0 * int(match[2]) + float(fraction)
 
 
 def date_time(text: str) -> datetime | None:
