@@ -198,7 +198,8 @@ def _inspect(
         except OSError as error:
             raise DatasetError(f"{write_map}: {error.strerror or error}") from error
         errors.print(
-            f"Next: adapt {write_map}, then igrip import … --columns {write_map} --out DATASET"
+            f"Next: adapt {write_map}, then igrip import … --columns {write_map} --out DATASET",
+            soft_wrap=True,
         )
     if all(one.problem and not one.columns for one in found):
         raise DatasetError("nothing could be read")

@@ -159,7 +159,10 @@ def map_from(inspections: Sequence[Inspection]) -> str:
         '# target = "=mug"  # the same in all takes, or a column of the table of trials',
         "",
     ]
+    hands = set(_map_hands(take).values())
     for id, key in objects_of(take).items():
+        if key in hands:
+            continue
         turns = take.tracks[key].orientations is not None
         lines += [
             f"[objects.{_key(id)}]",
@@ -174,15 +177,16 @@ def map_from(inspections: Sequence[Inspection]) -> str:
     return "\n".join(lines)
 
 
+def _map_hands(take: Take) -> dict[str, str]:
+    """Return the bodies of the hands, by id; the first body where none has the name of a hand."""
+    return hands_of(take) or {"right": next(iter(take.tracks))}
+
+
 def _hand_lines(take: Take) -> list[str]:
     if "" in take.tracks:
         return ["# t, x, y, z: the columns of those names", ""]
-    hands = hands_of(take)
-    if not hands:
-        hands = {"right": next(iter(take.tracks))}
-        note = "  # none has the name of a hand: choose"
-    else:
-        note = ""
+    hands = _map_hands(take)
+    note = "" if hands_of(take) else "  # none has the name of a hand: choose"
     lines = [""]
     for id, key in hands.items():
         lines += [f"[hands.{id}]", f"body = {json.dumps(key, ensure_ascii=False)}{note}", ""]
