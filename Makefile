@@ -4,7 +4,10 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
+# the near/far reaches of Wispinski et al. (2021): docs/importing.md says where they come from
 REACHES ?= ../shared/data/wispinski2021
+# the folder that holds them and the hands at work, for training
+SHARED ?= ../shared/data
 
 .PHONY: help demo test test-slow test-busy coverage lint types contract unit hooks dist lines \
 	schemas system clean bench pictures report golden train estimators
@@ -64,7 +67,7 @@ clean:  ## remove the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training,outputs,mcap,hands,poses]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training,outputs,ros2,mcap,hands,poses]'
 	touch $@
 
 bench: $(READY)  ## measure the speed beside other engines; the picture of docs/benchmarks.md
@@ -79,9 +82,8 @@ report: $(READY)  ## write the report of a small cohort in the documentation
 golden: $(READY)  ## rewrite the golden vectors, from the oracle alone
 	$(BIN)/python tests/golden/make_golden.py
 
-train: $(READY)  ## train the estimators (REACHES=folder with the tables of near/far reaches; 6 min)
-	$(BIN)/python -m training $(REACHES)
-	$(BIN)/python -m training.movements $(REACHES)
+train: $(READY)  ## train the estimators (SHARED=folder of wispinski2021 and hands_at_work; 10 min)
+	$(BIN)/python -m training $(SHARED)
 
 estimators: $(READY)  ## write the tables of all estimators on all sets (REACHES=folder; half an hour)
 	$(BIN)/python docs/make_estimators.py $(REACHES)

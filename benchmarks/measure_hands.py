@@ -1,4 +1,4 @@
-"""Measure the hand detector on real pictures: what is detected, what is not, how fast.
+"""Measure the hand detector on real pictures: hits, misses, false detections and time.
 
 ``python -m benchmarks.measure_hands FOLDER`` with the folder of ``hand_720p.mp4``,
 ``experiment_side_a.png``, ``experiment_side_b.png`` and ``ycbv_000629_rgb.png``. Prints the tables
@@ -27,14 +27,14 @@ from igrip.rgbd import Intrinsics, RgbdFrame
 
 Picture = NDArray[np.uint8]
 RATE = 30.0
-# where a person sees the palms of the two hands in the stills [pixels]
-STILLS = {
+# palms of the two hands in the pictures, marked by hand [pixels]
+IMAGES = {
     "experiment_side_a.png": ((135, 315), (203, 360)),
     "experiment_side_b.png": ((655, 345), (582, 395)),
 }
 
 
-def video(path: Path) -> Iterator[Picture]:
+def read_video(path: Path) -> Iterator[Picture]:
     """Yield the pictures of a film."""
     film = cv2.VideoCapture(str(path))
     while True:
@@ -44,13 +44,13 @@ def video(path: Path) -> Iterator[Picture]:
         yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
 
 
-def still(path: Path) -> Picture:
+def read_image(path: Path) -> Picture:
     """Return one picture."""
     picture: Picture = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
     return picture
 
 
-def run(
+def detect_in(
     pictures: Iterable[Picture], config: MediaPipeConfig
 ) -> tuple[list[list[HandDetection]], NDArray[np.float64]]:
     """Return what is found in each picture, and how long each took [ms]."""
@@ -59,7 +59,7 @@ def run(
     for k, picture in enumerate(pictures):
         height, width = picture.shape[:2]
         camera = Intrinsics(width, height, width, width, width / 2, height / 2)
-        begin = time.process_time()  # on a busy machine the clock on the wall tells less
+        begin = time.process_time()  # wall time would depend on the load
         found.append(detector.detect(RgbdFrame(k / RATE, picture, None, camera)))
         took.append(1e3 * (time.process_time() - begin))
     detector.close()
@@ -74,8 +74,8 @@ def print_counts(name: str, found: list[list[HandDetection]], took: NDArray[np.f
     print(f"{name:44} hands {dict(enumerate(counts.tolist()))}  {times}")
 
 
-def beside_itself(picture: Picture) -> Picture:
-    """Return a picture of 1280 × 720 with the scene and its mirror image side by side."""
+def with_mirror_image(picture: Picture) -> Picture:
+    """Return a picture of 1280 × 720: the scene and its mirror image, side by side."""
     half = cv2.resize(picture, (640, 360), interpolation=cv2.INTER_AREA)
     both: Picture = cv2.copyMakeBorder(
         np.hstack([half, half[:, ::-1]]), 180, 180, 0, 0, cv2.BORDER_REPLICATE
@@ -83,10 +83,10 @@ def beside_itself(picture: Picture) -> Picture:
     return both
 
 
-def of_the_film(path: Path) -> None:
-    """Look at one hand, two hands, and a hand that comes and goes."""
-    frames = list(video(path))
-    found, took = run(frames, MediaPipeConfig())
+def measure_video(path: Path) -> None:
+    """Measure on a video: one hand, two hands, and a hand that is hidden at times."""
+    frames = list(read_video(path))
+    found, took = detect_in(frames, MediaPipeConfig())
     print_counts("film, one hand, up to two looked for", found, took)
     labels = [hands[0].label for hands in found if hands]
     flips = sum(a != b for a, b in itertools.pairwise(labels))
@@ -99,15 +99,19 @@ def of_the_film(path: Path) -> None:
     ])  # fmt: skip
     jitter = 1.4826 * np.median(np.abs(off)) / np.sqrt(6)
     print(f"  the palm centre jitters by {jitter:.4f} lengths of the palm, frame by frame")
-    print_counts("film, up to one looked for", *run(frames, MediaPipeConfig(max_hands=1)))
+    print_counts("film, up to one looked for", *detect_in(frames, MediaPipeConfig(max_hands=1)))
     print_counts(
-        "film and its mirror image, two hands", *run(map(beside_itself, frames), MediaPipeConfig())
+        "film and its mirror image, two hands",
+        *detect_in(map(with_mirror_image, frames), MediaPipeConfig()),
     )
     print_counts(
-        "film, searched every frame for a second", *run(frames, MediaPipeConfig(search_every=1))
+        "film, searched every frame for a second",
+        *detect_in(frames, MediaPipeConfig(search_every=1)),
     )
     dark = np.zeros_like(frames[0])
-    found, _ = run((dark if k % 60 < 15 else p for k, p in enumerate(frames)), MediaPipeConfig())
+    found, _ = detect_in(
+        (dark if k % 60 < 15 else p for k, p in enumerate(frames)), MediaPipeConfig()
+    )
     back = [
         next((n for n in range(45) if k + n < len(found) and found[k + n]), 45)
         for k in range(15, len(found) - 1, 60)
@@ -116,16 +120,16 @@ def of_the_film(path: Path) -> None:
     print(f"  hidden for 0.5 s, found anew after {back} frames; {ghosts} found where none was")
 
 
-def there(hands: list[HandDetection], palm: NDArray[np.float64], within: float) -> bool:
+def is_hand_at(hands: list[HandDetection], palm: NDArray[np.float64], within: float) -> bool:
     """Whether a hand was found at a place."""
     centres = [hand.landmarks[list(PALM)].mean(axis=0) for hand in hands]
     return any(np.linalg.norm(centre - palm) < within for centre in centres)
 
 
-def of_the_stills(folder: Path) -> None:
-    """Look at the clasped hands for three seconds, as they are and in fifteen variants."""
-    for name, palms in STILLS.items():
-        picture = still(folder / name)
+def measure_images(folder: Path) -> None:
+    """Measure on pictures of clasped hands, shown for 3 s, as they are and in 15 variants."""
+    for name, palms in IMAGES.items():
+        picture = read_image(folder / name)
         rng = np.random.default_rng(1)
         first, held, extra = [], [], 0
         for variant in range(16):
@@ -134,9 +138,9 @@ def of_the_stills(folder: Path) -> None:
             variant_picture = cv2.convertScaleAbs(
                 cv2.resize(picture, None, fx=scale, fy=scale), alpha=light
             )
-            found, _ = run([variant_picture] * 90, MediaPipeConfig())
+            found, _ = detect_in([variant_picture] * 90, MediaPipeConfig())
             all_there = [
-                [there(hands, scale * np.array(palm), 40 * scale) for palm in palms]
+                [is_hand_at(hands, scale * np.array(palm), 40 * scale) for palm in palms]
                 for hands in found
             ]
             done = [all(pair) for pair in all_there]
@@ -149,20 +153,20 @@ def of_the_stills(folder: Path) -> None:
         print(f"  variants: both found in {times} of 16; from frame {first}; {extra} wrong finds")
 
 
-def of_nothing(folder: Path) -> None:
-    """Search pictures without hands, in every frame."""
-    for name in ("ycbv_000629_rgb.png", *STILLS):
-        picture = still(folder / name)
-        if name in STILLS:
-            found, _ = run([picture] * 60, MediaPipeConfig(search_every=1))
+def measure_false_detections(folder: Path) -> None:
+    """Count detections in pictures without hands, searched in every frame."""
+    for name in ("ycbv_000629_rgb.png", *IMAGES):
+        picture = read_image(folder / name)
+        if name in IMAGES:
+            found, _ = detect_in([picture] * 60, MediaPipeConfig(search_every=1))
             hands = max(found, key=len)
             picture = paint_over(picture, [hand.landmarks for hand in hands])
-        found, took = run([picture] * 60, MediaPipeConfig(search_every=1))
+        found, took = detect_in([picture] * 60, MediaPipeConfig(search_every=1))
         print_counts(f"{name}, hands covered", found, took)
 
 
-def of_the_sprites(folder: Path) -> None:
-    """Look for hands that were put into pictures, one picture at a time, by nothing but MediaPipe.
+def measure_pasted_hands(folder: Path) -> None:
+    """Measure on hands pasted into single pictures, with MediaPipe alone.
 
     Prints for a plain desk and a cluttered one, near and far, as they are and 1.4 times as bright,
     how many of 24 are found, and how far off the palm centre is.
@@ -171,9 +175,15 @@ def of_the_sprites(folder: Path) -> None:
     real = list(film_sprites(folder / "hand_720p.mp4", detector, every=60))
     drawn = [draw_hand(seed=k) for k in range(3)]
     camera = Intrinsics(640, 480, 450.0, 450.0, 320.0, 240.0)
-    rng, clock = np.random.default_rng(0), itertools.count(1000, -1)  # back: nothing is known
+    rng, clock = (
+        np.random.default_rng(0),
+        itertools.count(1000, -1),
+    )  # backwards, so that nothing is tracked
     plain = np.full((480, 640, 3), (190.0, 180.0, 165.0)) + rng.normal(0.0, 4.0, (480, 640, 3))
-    desks = {"plain": plain.astype(np.uint8), "cluttered": still(folder / "ycbv_000629_rgb.png")}
+    desks = {
+        "plain": plain.astype(np.uint8),
+        "cluttered": read_image(folder / "ycbv_000629_rgb.png"),
+    }
     for desk, (low, high), light in itertools.product(desks, ((0.3, 0.5), (0.5, 0.9)), (1.0, 1.4)):
         results = []
         for name, sprites in (("film", real), ("drawn", drawn)):
@@ -199,7 +209,7 @@ if __name__ == "__main__":
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     cv2.setNumThreads(1)
     data = Path(sys.argv[1])
-    of_the_film(data / "hand_720p.mp4")
-    of_the_stills(data)
-    of_nothing(data)
-    of_the_sprites(data)
+    measure_video(data / "hand_720p.mp4")
+    measure_images(data)
+    measure_false_detections(data)
+    measure_pasted_hands(data)

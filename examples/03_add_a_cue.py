@@ -11,7 +11,8 @@ from igrip.targets import TARGETS, TargetEstimate, best_of
 def heading(motion, geometry, config):
     """Cosine between the velocity and the direction to each object's centre."""
     away = np.array([placed.centre for placed in geometry.objects]) - motion.position
-    return away @ motion.velocity / (np.linalg.norm(away, axis=1) * max(motion.speed, 1e-9))
+    distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)  # the hand may be at the centre
+    return away @ motion.velocity / (distance * max(motion.speed, 1e-9))
 
 
 @TARGETS.register("my_heading")

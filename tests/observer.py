@@ -12,7 +12,7 @@ BELIEVED = ("idle", "reaching", "holding")
 
 
 class Observer:
-    """Collects violations of what DESIGN §5 promises, in words."""
+    """Collects violations of what docs/commitment.md promises."""
 
     def __init__(self, jumps=False):
         self._looks_for_jumps = jumps  # where nothing else goes wrong: late messages jump, too

@@ -5,12 +5,15 @@ from __future__ import annotations
 import importlib
 import math
 import pickle
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from pydantic import BaseModel, ValidationError
 
 from igrip import Config
+from igrip.errors import UnknownNameError
 from igrip.settings import RENAMED, Settings
 
 
@@ -182,3 +185,31 @@ def test_an_old_key_deep_inside_is_named_with_its_place():
     [error] = caught.value.errors()
     assert error["loc"] == ("motion", "reach")
     assert "calm was renamed to end_time_constant" in error["msg"]
+
+
+def test_a_misspelt_key_is_answered_with_the_one_that_was_meant():
+    with pytest.raises(ValidationError, match=r"no 'comitment'.*'commitment'"):
+        Config(comitment={})
+    with pytest.raises(ValidationError) as caught:
+        Config(motion={"reach": {"onset_distanse": 0.01}})
+    [error] = caught.value.errors()
+    assert error["loc"] == ("motion", "reach")
+    assert "'onset_distance'" in error["msg"]
+    with pytest.raises(ValidationError, match="Extra inputs"):
+        Config(zzz=1)
+
+
+@pytest.mark.parametrize(("field", "wrong", "right"), [
+    ("targets", "bayse", "bayes"), ("grips", "contcat", "contact"),
+])  # fmt: skip
+def test_a_misspelt_name_fails_when_the_configuration_is_made(field, wrong, right):
+    with pytest.raises(UnknownNameError, match=f"'{wrong}' .did you mean '{right}'"):
+        Config(**{field: wrong})
+
+
+def test_a_configuration_imports_no_targets_estimator():
+    script = "import igrip, sys; igrip.Config(); print('igrip.targets.bayes' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "False"

@@ -368,7 +368,7 @@ def test_an_object_is_usable_for_two_seconds(shapes, static):
         assert (set(intention.scores) == {"box"}) == usable
         if not usable:
             assert intention.target is None
-            assert intention.reason == "no usable object; box: not seen for too long"
+            assert intention.reason == "no usable object; box: not detected for too long"
     # a new look at it brings it back
     back = only(feed(estimator, message(4.0, {"right": hand(path(81))}, seen)))
     assert back.status == "warming_up"  # this hand had a gap

@@ -6,8 +6,6 @@ import sys
 from itertools import islice
 from pathlib import Path
 
-import pytest
-
 import igrip
 from igrip.io.recordings.jsonl import JsonlWriter
 from igrip.lab.simulation.demo import DemoPerson
@@ -44,14 +42,3 @@ def test_replay(tmp_path: Path) -> None:
 
 def test_add_a_cue() -> None:
     assert run(ROOT / "examples" / "03_add_a_cue.py").startswith("ahead {")
-
-
-def test_the_cue_of_the_contributing_page_is_one_file(monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (ROOT / "CONTRIBUTING.md").read_text()
-    code = page.partition("```python\n")[2].partition("```")[0]
-    script = (
-        "import igrip, sys\n" + code.replace("from __future__ import annotations\n", "") + "\n"
-        "from igrip.cues import CUES\n"
-        "assert CUES.get('heading').order == 1 and len(CUES.names()) == 5\n"
-    )
-    assert run("-c", script) == ""

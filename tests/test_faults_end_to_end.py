@@ -53,7 +53,7 @@ def faulty(ycb, seconds, rate, seed):
 
 
 def test_no_lease_breaks_a_promise_under_faults_of_every_kind(ycb):
-    messages, counts = faulty(ycb, seconds=240.0, rate=8.0, seed=1)
+    messages, counts = faulty(ycb, seconds=300.0, rate=8.0, seed=1)
     assert set(counts) == set(KINDS)
     assert sum(counts.values()) > 1000
     observer, _ = watched(messages, "--reliability", "0")

@@ -9,7 +9,7 @@ import pytest
 
 import igrip
 from igrip import Observation, ObservationError
-from mutate import damaged, damaged_bytes, grown, sample
+from random_damage import damaged, damaged_bytes, grown, sample
 from support import BOX, CAN
 
 COUNT = 10_000  # of each of ten kinds

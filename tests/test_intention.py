@@ -71,7 +71,7 @@ def test_the_published_schema_describes_what_is_written():
 
 
 def test_the_form_of_the_design():
-    """Every key of the example in DESIGN §3 is there, and those that were added since."""
+    """Every key of an intention as docs/schemas/intention.json publishes it is there."""
     keys = {
         "schema", "t", "hand", "status", "reason", "target", "target_model", "confidence", "grip",
         "grip_probability", "time_to_contact", "contact", "probability", "scores", "commitment",

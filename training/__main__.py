@@ -1,117 +1,51 @@
-"""Train what ships: the scorer of ``bayes``, the library of the field's methods, the grip.
+"""Train what ships: scorer, familiarity, times, the field's methods, the grip.
 
-Example: python -m training ../shared/data/wispinski2021 --check
+Example: python -m training shared-data --check
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
-import os
 import sys
 import time
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from igrip.grips.contact import WEIGHTS as CONTACT
-from igrip.io.importers import RecordedReach
 from igrip.targets.bayes import WEIGHTS
+from igrip.targets.learned.familiarity import FILE as FAMILIARITY
+from igrip.targets.learned.familiarity import read_movements
 from igrip.targets.learned.network import read_scorer
 from igrip.targets.learned.reach_library import LIBRARY
-from training.grip import approaches_of, fit_grip, write_grip
+from igrip.targets.learned.timing import FILE as TIMING
+from igrip.targets.learned.timing import read_timing
+from training.familiarity import fit_familiarity, write_familiarity
+from training.grip import fit_grip, write_grip
 from training.learn import fit_scorer, inputs_of, probabilities, write_scorer
-from training.library import Demonstration, demonstrated, fit_library, write_library
-from training.moments import Moments, Recording, follow, joined, moments_of, thinned
-from training.people import EACH, FOLDS, LEARNED_FROM, real_recordings, record
-from training.worlds import TRIALS, simulate_person
+from training.library import fit_library, write_library
+from training.moments import Moments, joined, thinned
+from training.sources import PERSONS, SEED, Part, gather, kind_of, provenance, source_weight
+from training.timing import fit_timing, write_timing
 
-SEED = 20260
-PERSONS = 720
 MEMORY = 0.02  # s; docs/estimators.md has the alternatives
-REAL = 2.0  # weight of all real moments, that of all simulated ones being 1
-EVERY = 3  # every third reach is a demonstration for the field's methods
-
-Array = NDArray[np.float64]
+NONE = 0.7  # weight of moments without a target (docs/estimators.md)
 
 
-class Part(NamedTuple):
-    """What is learned from some recordings: for the scorer, the field's methods, the grip."""
-
-    moments: Moments
-    demonstrations: list[Demonstration]
-    approaches: list[Array]
-
-
-def part_of(recordings: Sequence[Recording]) -> Part:
-    """Return what is learned from a few recordings."""
-    moments, demonstrations, approaches = [], [], []
-    for k, recording in enumerate(recordings):
-        frames = follow(recording)
-        moments.append(moments_of(recording, frames))
-        if recording.kind in ("near", "far", "reach") and not recording.absent:
-            if k % EVERY == 0 and (one := demonstrated(recording, frames)) is not None:
-                demonstrations.append(one)
-            if recording.grip is not None:
-                approaches.append(approaches_of(recording, frames))
-    return Part(joined(moments), demonstrations, approaches)
-
-
-def real_part(jobs: Sequence[tuple[RecordedReach, int]]) -> Part:
-    """Return what is learned from some real reaches."""
-    return part_of([record(*job) for job in jobs])
-
-
-def simulated_part(number: int) -> Part:
-    """Return what is learned from one simulated person."""
-    return part_of(simulate_person(SEED, number))
-
-
-def gather(tables: Path, persons: int, folds: Sequence[int] = LEARNED_FROM) -> Part:
-    """Return everything to learn from."""
-    jobs = list(real_recordings(tables, SEED, folds))
-    groups = [jobs[k : k + EACH] for k in range(0, len(jobs), EACH)]
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        real = _collected(pool.map(real_part, groups), len(groups), "groups of real reaches")
-        simulated = _collected(
-            pool.map(simulated_part, range(persons)), persons, "simulated people"
-        )
-    moments = [thinned(joined([p.moments for p in parts]), SEED) for parts in (real, simulated)]
-    moments[0].weight[:] *= REAL * moments[1].weight.sum() / moments[0].weight.sum()
-    every = [*real, *simulated]
-    return Part(
-        joined(moments), [x for part in every for x in part.demonstrations],
-        [x for part in every for x in part.approaches],
-    )  # fmt: skip
-
-
-def _collected(parts: Any, count: int, what: str) -> list[Part]:
-    """Collect parts and print the progress."""
-    done = []
-    for part in parts:
-        done.append(part)
-        print(f"\r{len(done)} of {count} {what}", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    return done
-
-
-def provenance(tables: Path, persons: int) -> dict[str, Any]:
-    """Return what is learned from."""
-    files = sorted(tables.glob("*.parquet"))
-    return {
-        "made_by": "python -m training (docs/estimators.md)",
-        "real": f"Wispinski et al. 2021, near/far; {FOLDS - 1} of {FOLDS} folds of people, "
-        f"at most {EACH} reaches of each",
-        "tables": {f.name: hashlib.sha256(f.read_bytes()).hexdigest()[:16] for f in files},
-        "simulated": f"{persons} people of training/worlds.py, {TRIALS} trials each",
-        "seed": SEED,
-    }
+def weighted(parts: Mapping[str, Part]) -> Moments:
+    """Return the moments of several sources as one, each with its weight."""
+    moments = []
+    for name, part in parts.items():
+        one = thinned(part.moments, SEED)
+        weight = source_weight(name, list(parts)) / one.weight.sum()
+        moments.append(replace(one, weight=one.weight * weight))
+    every = joined(moments)
+    weight = every.weight / every.weight.mean()
+    return replace(every, weight=np.where(every.target < 0, NONE, 1.0) * weight)
 
 
 def main() -> int:
@@ -120,35 +54,46 @@ def main() -> int:
         prog="python -m training", description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
-    parser.add_argument("reaches", type=Path, help="folder with trials.parquet and reaches.parquet")
-    parser.add_argument("--persons", type=int, default=PERSONS, help="simulated people")
+    parser.add_argument("shared", type=Path, help="folder with wispinski2021 and hands_at_work")
+    parser.add_argument("--persons", type=int, default=PERSONS, help="people of each generator")
+    parser.add_argument("--cache", type=Path, help="file that keeps what was gathered")
     parser.add_argument(
         "--check", action="store_true", help="compare with what ships, write nothing"
     )
     asked = parser.parse_args()
     began = time.monotonic()
-    moments, demonstrations, approaches = gather(asked.reaches, asked.persons)
+    parts = gather(asked.shared, asked.persons, cache=asked.cache)
+    moments = weighted(parts)
+    demonstrations = [d for part in parts.values() for d in part.demonstrations]
     scorer, loss = fit_scorer(moments, MEMORY, SEED)
-    learned, grip = fit_library(demonstrations, SEED), fit_grip(approaches)
-    passed = time.monotonic() - began
+    real = joined([part.moments for name, part in parts.items() if kind_of(name) == "near_far"])
+    familiar = fit_familiarity(thinned(real, SEED))
+    timing = fit_timing([p.timing for p in parts.values()], SEED)
+    learned = fit_library(demonstrations, SEED)
+    grip = fit_grip([a for part in parts.values() for a in part.approaches])
     print(
-        f"{len(moments.target)} moments, loss {loss:.4f}; {len(demonstrations)} reaches; "
-        f"{passed:.0f} s",
+        f"{len(moments.target)} moments, loss {loss:.4f}; {len(demonstrations)} demonstrations; "
+        f"{time.monotonic() - began:.0f} s",
         file=sys.stderr,
     )
     if asked.check:
-        shipped = read_scorer(WEIGHTS)
         inputs, frame = inputs_of(moments), moments.frame
-        ours, theirs = (probabilities(s, inputs, frame) for s in (scorer, shipped))
-        off = float(np.abs(ours - theirs).max())
+        ours, shipped = (probabilities(s, inputs, frame) for s in (scorer, read_scorer(WEIGHTS)))
+        off = float(np.abs(ours - shipped).max())
         print(f"scorer: largest difference of a probability {off:.3g}")
         there = json.loads(LIBRARY.read_text(encoding="utf-8"))
         grips = json.loads(CONTACT.read_text(encoding="utf-8"))["weights"]
-        apart = max(_apart(learned, {key: there[key] for key in learned}), _apart(grip, grips))
-        print(f"library and grip: largest difference of a number {apart:.3g}")
+        apart = max(
+            _apart(learned, {key: there[key] for key in learned}), _apart(grip, grips),
+            _apart(timing._asdict(), read_timing(TIMING)._asdict()),
+            _apart(familiar._asdict(), read_movements(FAMILIARITY)._asdict()),
+        )  # fmt: skip
+        print(f"the rest: largest difference of a number {apart:.3g}")
         return int(not (off <= 1e-6 and apart <= 1e-6))
-    source = provenance(asked.reaches, asked.persons)
+    source = provenance(asked.shared, asked.persons)
     write_scorer(replace(scorer, provenance=source | {"loss": round(loss, 4)}), WEIGHTS)
+    write_familiarity(familiar, source, FAMILIARITY)
+    write_timing(timing, source, TIMING)
     write_library({**learned, "provenance": source}, LIBRARY)
     write_grip(grip, source, CONTACT)
     return 0

@@ -105,24 +105,25 @@ def _progress(arm: Arm, duration: float, random: np.random.Generator) -> Array:
     count = 1 if single else int(random.integers(2, 6 if arm.impaired else 4))
     least = 0.15 if arm.impaired else 0.35
     ends = [*np.sort(random.uniform(least, 0.97, count - 1)), 1.0]
-    times = np.arange(max(3, int(1.6 * duration / STEP) + 2)) * STEP
-    progress = np.zeros((len(times), 3))
     gap = random.uniform(-0.3, 0.35) if arm.impaired else random.uniform(-0.35, 0.0)
-    begin = before = 0.0
-    for k, end in enumerate(ends):
-        size = end - before
-        lasts = duration * (0.9 * math.sqrt(size) if count > 1 else 1.0)
+    sizes = np.diff(ends, prepend=0.0)
+    lasting = duration * (0.9 * np.sqrt(sizes) if count > 1 else np.ones(1))
+    begins = np.concatenate(
+        [[0.0], np.cumsum(lasting * (1.0 + gap * random.uniform(0.5, 1.0, count)))]
+    )
+    offsets = random.normal(0.0, 0.04, (count, 3)) * lasting[:, None]
+    stop = float((begins[:-1, None] + offsets + lasting[:, None]).max())  # the last one ends, too
+    times = np.arange(max(3, math.ceil(stop / STEP) + 2)) * STEP
+    progress = np.zeros((len(times), 3))
+    for k, (size, begin, lasts) in enumerate(zip(sizes, begins, lasting, strict=False)):
         early, late = random.uniform(2.2, 4.5), random.uniform(2.2, 5.0)
         wander = random.normal(0.0, 0.15 if arm.impaired else 0.06, 3) * (k < count - 1)
         for axis in range(3):
-            offset = random.normal(0.0, 0.04) * lasts
-            part = np.clip((times - begin - offset) / lasts, 0.0, 1.0)
+            part = np.clip((times - begin - offsets[k, axis]) / lasts, 0.0, 1.0)
             progress[:, axis] += size * betainc(early, late, part)
         part = np.clip((times - begin) / lasts, 0.0, 1.0)
         progress += size * np.sin(np.pi * part)[:, None] ** 2 * wander
-        begin += lasts * (1.0 + gap * random.uniform(0.5, 1.0))
-        before = end
-    return progress[: min(len(times), int(begin / STEP) + 3)]
+    return progress
 
 
 def _to_shoulder(arm: Arm, point: Array) -> Array:

@@ -1,6 +1,6 @@
 """Compare likelihoods on people and simulations that none of them was trained on.
 
-``python -m training.compare REACHES [PERSONS]`` prints for each candidate the accuracy of moments:
+``python -m training.compare SHARED [PERSONS]`` prints for each candidate the accuracy of moments:
 the newest one at 40 and 60 % of the movement, without any memory. Real people: the validation fold
 (not the people who are kept back to judge by); simulated ones: others than those learned from.
 """
@@ -21,11 +21,12 @@ from igrip.io.importers import RecordedReach
 from igrip.io.resampling import ImportOptions, resample
 from igrip.targets.learned.features import LOCAL
 from igrip.targets.learned.network import MAX_INPUT
-from training.__main__ import PERSONS, SEED, gather
+from training.__main__ import weighted
 from training.learn import Network, fit, inputs_of, standardised
 from training.logit import Terms, fit_logit, linear, logit_scores, quadratic
 from training.moments import Moments, Recording, catalog, follow, joined, moments_of
 from training.people import LEARNED_FROM, VALIDATION, real_recordings
+from training.sources import PERSONS, SEED, gather
 from training.worlds import simulate_person
 
 Array = NDArray[np.float64]
@@ -85,13 +86,17 @@ def endpoint(moments: Moments) -> Array:
 
 def main() -> None:
     """Train every candidate on the same moments and print a table."""
-    tables = Path(sys.argv[1])
+    shared = Path(sys.argv[1])
     persons = int(sys.argv[2]) if len(sys.argv) > 2 else PERSONS
     folds = [fold for fold in LEARNED_FROM if fold != VALIDATION]
-    moments = gather(tables, persons, folds).moments
+    moments = weighted(gather(shared, persons, folds))
     with ProcessPoolExecutor() as pool:
         judged = list(
-            pool.map(validation_reach, real_recordings(tables, 3, [VALIDATION]), chunksize=40)
+            pool.map(
+                validation_reach,
+                real_recordings(shared / "wispinski2021", 3, [VALIDATION]),
+                chunksize=40,
+            )
         )
         for part in pool.map(simulated, range(PERSONS, PERSONS + MORE)):
             judged += part

@@ -22,15 +22,18 @@ Array = NDArray[np.float64]
 SECONDS = 8.0  # of one example
 MIN_SECONDS = 2.0
 MAX_GAP = 0.2  # s; after a longer one another example begins
+LEARNED_FROM = 2  # every second recording session; the others judge
 CLEARANCE, APART = 0.13, 0.1  # m from the palm's path, from each other
 COUNTS = (2, 3, 4, 4, 6)
 
 
-def hands_at_work(folder: Path, seed: int) -> Iterator[Recording]:
-    """Yield stretches of all recordings, with objects beside them."""
+def hands_at_work(folder: Path, seed: int, learned: bool) -> Iterator[Recording]:
+    """Yield stretches of the sessions that are learned from, or of the others."""
     trials = pd.read_parquet(folder / "trials.parquet")
+    sessions = sorted(set(trials["participant"]))
+    chosen = {s for k, s in enumerate(sessions) if (k % LEARNED_FROM == 0) == learned}
     samples = dict(list(pd.read_parquet(folder / "reaches.parquet").groupby("trial")))
-    for row in trials.to_dict("records"):
+    for row in trials[trials["participant"].isin(chosen)].to_dict("records"):
         seen = samples[row["trial"]]
         seen = seen[seen["valid"].astype(bool)]
         times, palms = seen["t"].to_numpy(), seen[["x", "y", "z"]].to_numpy()

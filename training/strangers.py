@@ -9,7 +9,7 @@ import argparse
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,12 +17,13 @@ from igrip.commitment import CommitmentConfig, Committer
 from igrip.evidence import Evidence
 from igrip.lab.evaluation.calibration import ReliabilityBins
 from igrip.targets.bayes import Bayes
+from igrip.targets.learned.network import Scorer
 from igrip.targets.learned.timing import default_timing
-from training.__main__ import SEED
 from training.arms import simulate_arm
 from training.hands_at_work import hands_at_work
 from training.held_out import NAMES, held_out
 from training.moments import Frames, Recording, follow
+from training.sources import SEED
 from training.timing import contact_time
 
 PEOPLE = range(10_000, 10_020)  # of training/arms.py, none of whom was learned from
@@ -38,9 +39,9 @@ class Answered(NamedTuple):
     evidence: list[Evidence]
 
 
-def answer(recording: Recording) -> Answered:
-    """Return what the shipped estimator makes of a recording."""
-    posterior, frames, evidence = Bayes(), follow(recording), []
+def answer(recording: Recording, scorer: Scorer | None = None) -> Answered:
+    """Return what an estimator makes of a recording: by default the one that ships."""
+    posterior, frames, evidence = Bayes(scorer), follow(recording), []
     for motion, geometry in frames:
         estimate = posterior.update(motion, geometry, {})
         ids = [placed.id for placed in geometry.objects]
@@ -62,7 +63,7 @@ def answer(recording: Recording) -> Answered:
 def reaches_row(answered: Sequence[Answered], config: CommitmentConfig) -> list[str]:
     """Return accuracy, calibration and first commitments on a set of reaches, as cells."""
     accurate: dict[float, list[bool]] = {part: [] for part in PARTS}
-    stated, hits, committed, right = [], [], [], []
+    stated, hits, parts, right = [], [], [], []
     for recording, _, evidence in answered:
         within = [e for e in evidence if e.t <= recording.end + 1e-9]
         for part in PARTS:
@@ -75,10 +76,14 @@ def reaches_row(answered: Sequence[Answered], config: CommitmentConfig) -> list[
                 hits.append(one.target == recording.target)
         committer = Committer(config)
         first = next((e for e in within if committer.update(e) is not None), None)
-        committed.append(first is not None)
-        if first is not None:
+        if first is None:
+            parts.append(math.nan)
+        else:
+            parts.append(max(0.0, (first.t - recording.onset) / (recording.end - recording.onset)))
             right.append(committer.target == recording.target)
-    share = [f"{100 * np.mean(column):.1f} %" for column in (*accurate.values(), committed, right)]
+    committed, mean_part = ~np.isnan(parts), np.nan_to_num(parts, nan=1.0)
+    columns: tuple[Any, ...] = (*accurate.values(), committed, right, mean_part)
+    share = [f"{100 * np.mean(column):.1f} %" for column in columns]
     error = ReliabilityBins.of(stated, hits).calibration_error()
     return [str(len(answered)), *share[:2], f"{error:.3f}", *share[2:]]
 
@@ -138,16 +143,16 @@ def main() -> None:
     answered = {name: [answer(r) for r in recordings] for name, recordings in sets.items()}
     default = CommitmentConfig()
     flat = default.model_copy(update={"strange_margin": 0.0})
-    print("| set | reaches | 40 % | 60 % | ECE | committed | right | the same without margin |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    print("| set | reaches | 40 % | 60 % | ECE | committed | right | part | without margin |")
+    print(f"|{' --- |' * 9}")
     for name, one in answered.items():
-        without = " / ".join(reaches_row(one, flat)[-2:])
+        without = " / ".join(reaches_row(one, flat)[-3:])
         print(f"| {' | '.join([name, *reaches_row(one, default), without])} |", flush=True)
     print("\n| set | time to contact at 40 % | inside | at 60 % | inside |")
     print("| --- | --- | --- | --- | --- |")
     for name, one in answered.items():
         print(f"| {' | '.join([name, *timing_row(one)])} |", flush=True)
-    work = [answer(r) for r in hands_at_work(shared / "hands_at_work", SEED)]
+    work = [answer(r) for r in hands_at_work(shared / "hands_at_work", SEED, learned=False)]
     idle = [answer(r) for r in arms if r.target is None]
     print("\n| without a reach | false commitments a minute | the same without margin |")
     print("| --- | --- | --- |")

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from pydantic import Field
 
 from igrip.commitment import CommitmentConfig
 from igrip.cues import CueConfig
 from igrip.gating import GatingConfig
 from igrip.geometry.scene import RayConfig
-from igrip.grips import GripConfig
+from igrip.grips import GRIPS, GripConfig
 from igrip.motion.trajectory import MotionConfig
 from igrip.objects.object_track import ObjectConfig
 from igrip.settings import Settings
+from igrip.targets import TARGETS
 from igrip.tracking import TrackingConfig
 
 
@@ -29,6 +32,13 @@ class Config(Settings):
     motion, objects, rays, cues, grip, commitment, gating, tracking
         Configurations of the stages, see there.
 
+    Raises
+    ------
+    UnknownNameError
+        If there is no such targets estimator or grip selector.
+    pydantic.ValidationError
+        If a key is unknown or a value out of bounds.
+
     Examples
     --------
     >>> Config(targets="paper", cues={"distance": "surface"}).cues.distance
@@ -45,3 +55,11 @@ class Config(Settings):
     commitment: CommitmentConfig = Field(default=CommitmentConfig())
     gating: GatingConfig = Field(default=GatingConfig())
     tracking: TrackingConfig = Field(default=TrackingConfig())
+
+    if not TYPE_CHECKING:  # type checkers derive the arguments from the fields
+
+        def __init__(self, **values: Any) -> None:
+            super().__init__(**values)
+            # not by a validator: pydantic would turn an UnknownNameError into its own error
+            TARGETS.check(self.targets)
+            GRIPS.check(self.grips)

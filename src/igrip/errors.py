@@ -6,6 +6,14 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 
+def did_you_mean(name: str, choices: Iterable[str]) -> str:
+    """Return `` (did you mean 'CHOICE'?)`` for the choice nearest to a name; "" if none is near."""
+    from difflib import get_close_matches  # only where something went wrong
+
+    near = get_close_matches(name, choices, n=1)
+    return f" (did you mean {near[0]!r}?)" if near else ""
+
+
 class IgripError(Exception):
     """Base of all errors raised by igrip."""
 
@@ -52,7 +60,9 @@ class UnknownNameError(IgripError, ValueError):
 
     def __init__(self, family: str, name: str, choices: Iterable[str]) -> None:
         self.family, self.name, self.choices = family, name, tuple(choices)
-        super().__init__(f"no {family} is named {name!r}; there are: {', '.join(self.choices)}")
+        near = did_you_mean(name, self.choices)
+        listed = ", ".join(self.choices)
+        super().__init__(f"no {family} is named {name!r}{near}; there are: {listed}")
 
     def __reduce__(self) -> tuple[type[UnknownNameError], tuple[str, str, tuple[str, ...]]]:
         return type(self), (self.family, self.name, self.choices)

@@ -1,6 +1,6 @@
 """Validation gate: rejects old, future, jumping and far measurements; marks frozen ones.
 
-Every rule uses the times of the data alone; the core has no other clock (DESIGN §3).
+Every rule uses the times of the data alone; the core has no other clock.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ class GatingConfig(Settings):
         ge=0,
     )
     restart_after: float = quantity(
-        0.3, "s", "a stream that was rejected for this long starts anew", "DESIGN §3", gt=0
+        0.3, "s", "a stream that was rejected for this long starts anew", "guess", gt=0
     )
     max_hand_age: float = quantity(
-        0.3, "s", "a hand that was not measured for this long is lost", "SPEC §9", gt=0
+        0.3, "s", "a hand that was not measured for this long is lost", "the authors' code", gt=0
     )
     max_object_age: float = quantity(
-        2.0, "s", "the pose of an object is used for this long", "DESIGN §5", gt=0
+        2.0, "s", "the pose of an object is used for this long", "guess", gt=0
     )
     jump_distance: float = quantity(
         0.10, "m", "a step larger than this plus jump_speed · dt is a jump", "guess", gt=0

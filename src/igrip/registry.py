@@ -58,17 +58,21 @@ class Registry(Generic[T]):
         UnknownNameError
             If there is none; the message lists the valid names.
         """
+        self.check(name)
         if name in self._members:
             return self._members[name]
         if name in self._discover():
             importlib.import_module(f"{self.package}.{name}")
             if name not in self._members:
                 raise RuntimeError(f"{self.package}.{name} does not register {name!r}")
-        elif name in self._points:
-            self._members[name] = self._points[name].load()
         else:
-            raise UnknownNameError(self.family, name, self.names())
+            self._members[name] = self._points[name].load()
         return self._members[name]
+
+    def check(self, name: str) -> None:
+        """Raise :class:`UnknownNameError` if no member is called ``name``; imports none."""
+        if name not in self._members and name not in self.names():
+            raise UnknownNameError(self.family, name, self.names())
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all members, sorted; imports none of them."""

@@ -7,6 +7,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from igrip.errors import did_you_mean
+
 RENAMED: Mapping[str, Mapping[str, str]] = {
     "Config": {"health": "gating", "world": "tracking"},
     "TrackingConfig": {"most_hands": "max_hands", "most_objects": "max_objects"},
@@ -63,11 +65,16 @@ class Settings(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _refuse_old_keys(cls, values: Any) -> Any:
+    def _refuse_unknown_keys(cls, values: Any) -> Any:
+        """Name the key that was meant; pydantic refuses the others."""
         renamed = RENAMED.get(cls.__name__, {})
-        for old in values if isinstance(values, Mapping) else ():
-            if old in renamed and old not in cls.model_fields:
-                raise ValueError(f"{old} was renamed to {renamed[old]}")
+        for key in values if isinstance(values, Mapping) else ():
+            if key in cls.model_fields or not isinstance(key, str):
+                continue
+            if key in renamed:
+                raise ValueError(f"{key} was renamed to {renamed[key]}")
+            if near := did_you_mean(key, cls.model_fields):
+                raise ValueError(f"there is no {key!r}{near}")
         return values
 
 

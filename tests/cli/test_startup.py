@@ -6,8 +6,9 @@ import subprocess
 import sys
 
 import pytest
+import typer
 
-from igrip.cli.app import COMMANDS
+from igrip.cli.app import COMMANDS, RENAMED_OPTIONS, app, target_of
 
 HEAVY = {"numpy", "scipy", "numba", "trimesh", "pydantic", "msgspec", "rich"}
 FAMILIES = {
@@ -42,8 +43,7 @@ def modules_after(code: str, *arguments: str) -> set[str]:
 
 
 def commands_in(modules: set[str]) -> set[str]:
-    targets = {f"igrip.cli.{c.target.partition(':')[0]}": name for name, c in COMMANDS.items()}
-    return {name for module, name in targets.items() if module in modules}
+    return {name for name in COMMANDS if target_of(name)[0] in modules}
 
 
 def test_import_igrip_is_light() -> None:
@@ -69,9 +69,9 @@ def test_a_command_imports_no_other(name: str) -> None:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_of_a_command_is_the_first_line_of_its_docstring(name: str) -> None:
-    module, function = COMMANDS[name].target.split(":")
-    command = getattr(importlib.import_module(f"igrip.cli.{module}"), function)
-    assert COMMANDS[name].help == command.__doc__.splitlines()[0]
+    module, function = target_of(name)
+    command = getattr(importlib.import_module(module), function)
+    assert COMMANDS[name] == command.__doc__.splitlines()[0]
 
 
 def test_a_mistyped_command_gets_a_suggestion() -> None:
@@ -92,3 +92,12 @@ def test_listing_the_names_of_a_family_imports_no_member(package: str) -> None:
     names, modules = json.loads(done.stdout)
     assert names
     assert not {f"{package}.{name}" for name in names} & set(modules)
+
+
+@pytest.mark.parametrize("command", RENAMED_OPTIONS)
+def test_a_renamed_option_is_gone_and_its_new_name_exists(command: str) -> None:
+    group = typer.main.get_command(app)
+    options = {o for p in group.get_command(None, command).params for o in p.opts}
+    for old, new in RENAMED_OPTIONS[command].items():
+        assert old not in options
+        assert new in options

@@ -142,6 +142,23 @@ def test_a_shallow_approach_is_found(slope):
         assert math.isnan(s)
 
 
+@pytest.mark.parametrize("speed", [0.4, 1.0, 3.0])
+def test_no_short_crossing_of_a_corner_is_stepped_over(shapes, speed):
+    """A straight path cuts 1 to 4 mm off the round corner of what is within reach."""
+    rng = np.random.default_rng(11)
+    for _ in range(300):
+        depth, ahead = rng.uniform(0.001, 0.004), rng.uniform(0.15, 0.6)
+        middle = np.array([HALF[0], HALF[1], 0.0])
+        outwards, along = np.array([1.0, 1.0, 0.0]) / 2**0.5, np.array([1.0, -1.0, 0.0]) / 2**0.5
+        start = middle + (REACH - depth) * outwards - ahead * along
+        half_chord = math.sqrt(REACH**2 - (REACH - depth) ** 2)
+        found = approach(shapes[BOX], np.array([start, speed * along, np.zeros(3)]))[0]
+        entered = (ahead - half_chord) / speed
+        left = (ahead + half_chord) / speed
+        assert entered - 2e-3 <= found <= entered + 2.0 / contact.MAX_STEPS
+        assert found < left
+
+
 def test_defaults_of_the_rays_are_those_of_the_specification():
     config = RayConfig()
     assert config.rays_per_cone == cones.RAYS

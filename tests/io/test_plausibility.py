@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from igrip.io.frames import METRES, SECONDS
+from igrip.io.missing_markers import missing_rows
 from igrip.io.plausibility import (
     Samples,
     check_extents,
@@ -15,7 +16,6 @@ from igrip.io.plausibility import (
     check_sizes,
     check_times,
     check_up,
-    missing_rows,
     refusal,
 )
 

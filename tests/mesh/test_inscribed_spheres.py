@@ -123,3 +123,16 @@ def _winding(mesh, points):
     top = np.einsum("pfi,pfi->pf", a, np.cross(b, c))
     ab, bc, ca = (np.einsum("pfi,pfi->pf", x, y) for x, y in ((a, b), (b, c), (c, a)))
     return np.arctan2(top, la * lb * lc + ab * lc + bc * la + ca * lb).sum(axis=1) / (2.0 * np.pi)
+
+
+def test_an_edge_of_four_faces_leaves_a_surface_closed():
+    """Two tetrahedra that share an edge, but no face."""
+    vertices = np.array([
+        [0.0, 0, 0], [0, 0, 1], [1, 0, 0.5], [1, 1, 0.5], [-1, 0, 0.5], [-1, -1, 0.5],
+    ])  # fmt: skip
+    tetrahedron = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
+    other = np.array([0, 1, 4, 5])[tetrahedron]
+    faces = np.concatenate([tetrahedron, other])
+    assert is_closed(vertices, faces)
+    assert not is_closed(vertices, faces[1:])
+    assert not is_closed(vertices, np.concatenate([faces, [[0, 1, 4]]]))

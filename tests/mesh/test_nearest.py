@@ -96,3 +96,22 @@ def test_bounds_known_beforehand_save_work_and_change_nothing(ycb, name, tree):
         np.testing.assert_array_equal(within[1], where)
         free, bounded = free + nodes, bounded + within[2]
     assert bounded < free
+
+
+def test_a_triangle_whose_corners_coincide_is_a_line():
+    """Each pair of its corners in one place: no edge of length zero may give a NaN."""
+    a, b = np.zeros(3), np.array([0.1, 0.0, 0.0])
+    rng = np.random.default_rng(6)
+    for corners in ([a, a, b], [a, b, a], [b, a, a], [b, b, a]):
+        bvh = build_bvh(np.array(corners), np.array([[0, 1, 2]]))
+        for point in rng.normal(0.0, 0.1, (40, 3)):
+            foot = np.clip(point[0], 0.0, 0.1) * np.array([1.0, 0.0, 0.0])
+            distance, where, _ = nearest(bvh, point)
+            assert distance == pytest.approx(np.linalg.norm(point - foot), rel=1e-12)
+            assert where == pytest.approx(foot, abs=1e-15)
+
+
+def test_a_tree_of_one_node_is_visited_once():
+    bvh = build_bvh(np.eye(3), np.array([[0, 1, 2]]))
+    assert len(bvh.boxes) == 1
+    assert nearest(bvh, (0.0, 0.0, 0.0))[2] == 1

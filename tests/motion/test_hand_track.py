@@ -167,7 +167,7 @@ def test_a_hand_that_was_never_accepted_is_not_steady():
     assert not hand.is_steady(9.0)
     assert hand.status == "invalid"
     hand.advance(9.0)
-    assert hand.reason(9.0) == "never measured in a way that could be believed"
+    assert hand.reason(9.0) == "no trusted measurement yet"
 
 
 def test_a_rejection_is_named_for_the_age_limit_and_then_the_loss():

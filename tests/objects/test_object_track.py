@@ -54,7 +54,7 @@ def test_pose_agrees_with_the_oracle(shapes):
 
 
 def test_not_seen_yet_and_unknown(shapes):
-    assert track(shapes).reason == "not seen yet"
+    assert track(shapes).reason == "not detected yet"
     ghost = track(shapes, model="ghost")
     assert "no model 'ghost'" in ghost.reason
     assert ghost.fault == ghost.reason
@@ -71,14 +71,14 @@ def test_age(shapes, static):
     ours.advance(2.99)
     assert ours.reason is None
     ours.advance(3.01)
-    assert ours.reason == (None if static else "not seen for too long")
+    assert ours.reason == (None if static else "not detected for too long")
     assert ours.fault is None
 
 
 def test_a_pose_that_is_old_when_it_comes(shapes):
     ours = track(shapes)
     seen(ours, 10.0, (0.1, 0.0, 0.0), t=7.0)
-    assert ours.reason == "not seen for too long"
+    assert ours.reason == "not detected for too long"
 
 
 def test_a_resting_object_has_no_velocity(shapes):
@@ -145,7 +145,7 @@ def test_looked_for_and_not_seen_ends_static(shapes):
     assert ours.reason is None
     ours.miss(51.9)  # it ages from the first miss on
     ours.advance(52.1)
-    assert ours.reason == "not seen for too long"
+    assert ours.reason == "not detected for too long"
     assert ours.gate.counts["missed"] == 2
 
 

@@ -1,4 +1,4 @@
-"""Cones of rays round the predicted velocities (SPEC §4; the pattern of DESIGN §7)."""
+"""Cones of rays round the predicted velocities."""
 
 from __future__ import annotations
 

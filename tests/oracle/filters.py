@@ -1,4 +1,4 @@
-"""One-Euro filters of points and rotations (SPEC §2; Casiez, Roussel & Vogel 2012)."""
+"""One-Euro filters of points and rotations (Casiez, Roussel & Vogel 2012)."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 
 
 class Mesh:
-    """Triangles in the frame of their file, with what SPEC §6 derives from them.
+    """Triangles in the frame of their file, with what docs/decisions/0013 derives from them.
 
     Attributes: ``corners`` (f, 3, 3), ``points`` (v, 3) the vertices that faces use, ``middle`` of
     the axis-aligned box and ``radius`` of a ball round it, ``centre`` of gravity, ``axis`` and

@@ -1,4 +1,4 @@
-"""Weighted quadratic regression, the predicted points and the speeds of a window (SPEC §3)."""
+"""Weighted quadratic regression, the predicted points and the speeds of a window (paper: Eq. 1)."""
 
 from __future__ import annotations
 

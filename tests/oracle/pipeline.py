@@ -1,4 +1,4 @@
-"""The whole way from messages to scores, target and grip (SPEC §2-§6), for healthy input.
+"""The whole way from messages to scores, target and grip, for healthy input.
 
 The oracle knows nothing of health: it wants measurements that are fresh, in order and do not jump.
 """

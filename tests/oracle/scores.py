@@ -1,4 +1,4 @@
-"""Confidences, weights, target and grip (SPEC §5, §6)."""
+"""Confidences, weights, target and grip (paper: Eqs. 2-12, corrected: docs/decisions/0013)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The evaluation of one trial (SPEC §7)."""
+"""The evaluation of one trial (paper, "Trial evaluation")."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from memory import resident
-from mutate import garbled
+from random_damage import garbled
 from runtime_fakes import until
 
 COUNT = int(os.environ.get("IGRIP_FLOOD_MESSAGES", "1000000"))

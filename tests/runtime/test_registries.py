@@ -13,7 +13,7 @@ from igrip.runtime.outputs import OUTPUTS
 
 
 def test_names():
-    assert INPUTS.names() == ("stdin", "ws")
+    assert INPUTS.names() == ("lsl", "osc", "stdin", "ws")
     assert OUTPUTS.names() == ("lsl", "stdout", "ws")
 
 
@@ -23,7 +23,7 @@ def test_listing_the_names_imports_no_member():
         "from igrip.runtime.inputs import INPUTS\n"
         "from igrip.runtime.outputs import OUTPUTS\n"
         "INPUTS.names(), OUTPUTS.names()\n"
-        "print([name for name in sys.modules if name in ('pylsl', 'websockets')"
+        "print([name for name in sys.modules if name in ('pylsl', 'pythonosc', 'websockets')"
         " or name.startswith(('igrip.runtime.inputs.', 'igrip.runtime.outputs.'))])\n"
     )
     done = subprocess.run(

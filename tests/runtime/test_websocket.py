@@ -16,7 +16,7 @@ from igrip.intention import Intention
 from igrip.runtime.envelope import Sequencer
 from igrip.runtime.protocol import MAX_SIZE
 from igrip.runtime.websocket import MAX_BEHIND, TRY_LATER, _Client
-from mutate import garbled
+from random_damage import garbled
 from running_server import POSE, Running, observation, receive
 from runtime_fakes import PATIENCE, until
 from support import UPRIGHT

@@ -58,7 +58,7 @@ def test_gradients_are_those_of_the_loss(none):
 
 
 def test_it_learns_what_there_is_to_learn():
-    scorer, _ = fit_scorer(toy(3000), 0.02, seed=0)
+    scorer, _ = fit_scorer(toy(12000), 0.02, seed=0)
     unseen = toy(500, seed=9, part=1.0)
     scores = scores_of(scorer, inputs_of(unseen), unseen.frame)
     best = [

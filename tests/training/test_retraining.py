@@ -18,7 +18,7 @@ def test_training_anew_gives_the_same_predictions():
     if folder is None or not (folder / "wispinski2021").exists():
         pytest.skip("the shared data is not beside the checkout")
     done = subprocess.run(
-        [sys.executable, "-m", "training", str(folder / "wispinski2021"), "--check"],
+        [sys.executable, "-m", "training", str(folder), "--check"],
         capture_output=True, text=True, cwd=Path(__file__).parents[2], check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr[-2000:]

@@ -3,62 +3,56 @@
 from __future__ import annotations
 
 import importlib
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
+from igrip.errors import IgripError
 from igrip.version import __version__
 
-
-class Command(NamedTuple):
-    """Where a command is implemented, and its line in ``igrip --help``."""
-
-    target: str  # ``module:function`` within :mod:`igrip.cli`
-    help: str  # the first line of the function's docstring; a test keeps the two equal
-
-
+# the first line of each docstring; a test keeps the two equal
 COMMANDS = {
-    "demo": Command(
-        "demo:demo",
-        "Watch igrip predict what a simulated person reaches for, and with which grip.",
-    ),
-    "replay": Command("replay:replay", "Run estimators over recordings and summarise the answers."),
-    "evaluate": Command(
-        "evaluate:evaluate",
-        "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, figures.",
-    ),
-    "simulate": Command(
-        "simulate:simulate",
-        "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
-    ),
-    "stream": Command(
-        "stream:stream",
-        "Receive observations from other programs and send them intentions, until Ctrl-C.",
-    ),
-    "view": Command(
-        "view:view",
-        "Look at a recording in the browser: play, pause, step, and go to any time.",
-    ),
-    "live": Command(
-        "live:live",
-        "Watch a camera and predict what each hand is about to grasp, and with which grip.",
-    ),
-    "record": Command("record:record", "Record colour, depth and intrinsics of cameras."),
-    "calibrate": Command(
-        "calibrate:calibrate",
-        "Find where cameras stand from a board of AprilTags that lies still where all of them "
-        "see it.",
-    ),
-    "import": Command("importing:import_tables", "Turn motion-capture tables into a dataset."),
-    "check": Command(
-        "check:check", "Check a dataset: every trial, its recording, hand, target and models."
-    ),
-    "bench": Command("bench:bench", "Measure the speed of the estimator on this machine."),
-    "doctor": Command("doctor:doctor", "Show what is installed and whether the core works."),
-    "grips": Command("grips:grips", "Show from which height on each object is pinched."),
-    "schema": Command("schema:schema", "Print the JSON schema of a message."),
+    "demo": "Watch igrip predict what a simulated person reaches for, and with which grip.",
+    "replay": "Run estimators over recordings and summarise the answers.",
+    "evaluate": "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, "
+    "figures.",
+    "simulate": "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
+    "stream": "Receive observations from other programs and send them intentions, until Ctrl-C.",
+    "view": "Look at a recording in the browser: play, pause, step, and go to any time.",
+    "live": "Watch a camera and predict what each hand is about to grasp, and with which grip.",
+    "record": "Record colour, depth and intrinsics of cameras.",
+    "calibrate": "Find where cameras stand from a board of AprilTags that lies still where all of "
+    "them see it.",
+    "import": "Turn motion-capture tables into a dataset.",
+    "check": "Check a dataset: every trial, its recording, hand, target and models.",
+    "bench": "Measure the speed of the estimator on this machine.",
+    "doctor": "Show what is installed and whether the core works.",
+    "grips": "Show from which height on each object is pinched.",
+    "schema": "Print the JSON schema of a message.",
+}  # fmt: skip
+TARGETS = {"import": "importing:import_tables"}  # where it is not "NAME:NAME"
+RENAMED_OPTIONS = {
+    "live": {"--tell": "--out", "--apart": "--separate-hands", "--catalog": "--objects"},
 }
+
+
+def target_of(name: str) -> tuple[str, str]:
+    """Return the module of a command and the function in it."""
+    module, function = TARGETS.get(name, f"{name}:{name}").split(":")
+    return f"igrip.cli.{module}", function
+
+
+class RenamingCommand(TyperCommand):
+    """A command that answers an option of earlier versions with its new name."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the arguments, unless one has an old name."""
+        for argument in args:
+            old = argument.partition("=")[0]
+            if new := RENAMED_OPTIONS.get(self.name or "", {}).get(old):
+                raise IgripError(f"{old} was renamed to {new}")
+        return super().parse_args(ctx, args)
 
 
 class LazyGroup(TyperGroup):
@@ -76,15 +70,16 @@ class LazyGroup(TyperGroup):
         """Import the module of one command and return the command; None if there is none."""
         if cmd_name not in COMMANDS:
             return None
-        module, function = COMMANDS[cmd_name].target.split(":")
+        module, function = target_of(cmd_name)
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
-        single.command(cmd_name)(getattr(importlib.import_module(f"igrip.cli.{module}"), function))
+        command = getattr(importlib.import_module(module), function)
+        single.command(cmd_name, cls=RenamingCommand)(command)
         return typer.main.get_command(single)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the table of commands from their short helps."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, command.help) for name, command in COMMANDS.items()])
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 app = typer.Typer(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,9 +25,9 @@ from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
-from igrip.perception.poses import parse_options
+from igrip.perception.poses import POSES, parse_options
 from igrip.runtime.clock_sync import RunClock
-from igrip.runtime.loop import Loop
+from igrip.runtime.loop import Loop, Output
 from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
@@ -46,32 +47,33 @@ def live(
                      "+, as in oak:ID1+oak:ID2."),
     ] = "oak",
     hands: Annotated[str, typer.Option(help="Hand detector; none: no hands.")] = "mediapipe",
-    objects: Annotated[
+    poses: Annotated[
         str, typer.Option(help="Pose estimator: depth, tags, cosypose; none: no objects.")
     ] = "depth",
+    objects: options.Objects = None,
     model: Annotated[
         list[str] | None,
         typer.Option(help="A model that may be on the table; repeatable. Default: the paper's "
                      "four."),
     ] = None,
-    catalog: options.Objects = None,
     option: Annotated[
         list[str] | None,
         typer.Option(help="NAME=VALUE for the pose estimator, such as tags=tags.toml; repeatable."),
     ] = None,
     calibration: options.Calibration = None,
-    apart: Annotated[
-        bool, typer.Option("--apart", help="Keep the hands of several cameras apart, by camera.")
+    separate_hands: Annotated[
+        bool,
+        typer.Option("--separate-hands", help="Give the hands of each camera ids of their own."),
     ] = False,
     max_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
     out: Annotated[
+        list[str] | None,
+        typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
+    ] = None,
+    record: Annotated[
         Path | None,
         typer.Option(help="Record what the estimator is given: F.jsonl or F.mcap; igrip replay "
                      "gives the same intentions again."),
-    ] = None,
-    tell: Annotated[
-        list[str] | None,
-        typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
     ] = None,
     targets: options.Targets = None,
     assisted: options.Assisted = None,
@@ -89,31 +91,33 @@ def live(
 ) -> None:  # fmt: skip
     """Watch a camera and predict what each hand is about to grasp, and with which grip.
 
-    Example: igrip live --camera oak --tell lsl --out session.mcap
+    Example: igrip live --camera oak --out lsl --record session.mcap
 
     Example, without a camera: igrip live --camera rendered
     """
-    output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
-    outputs = {name: OUTPUTS.get(name)(output_options) for name in tell or []}
+    # every name is looked up before anything slow begins
     config = setup.estimator_config(targets, assisted, reliability, confirm)
+    count = _check(camera, calibration)
+    poses, objects = _poses_and_objects(poses, objects or [])
+    new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, separate_hands, count)
+    if poses != NOTHING:
+        POSES.check(poses)
+    pose_options = parse_options(option or [])
+    output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
+    outputs = {name: _output(name)(output_options) for name in out or []}
     with ExitStack() as stack:
+        recorder = None if record is None else stack.enter_context(open_writer(record))
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
-            known = load_objects(*(catalog or ["ycb"]))
-            pose_options = parse_options(option or [])
+            known = load_objects(*(objects or ["ycb"]))
             models = model or [m for m in PAPER_OBJECTS if m in known] or list(known)
             pose_options["models"] = models
             for name in models:
                 known[name]
             setup.warm_up(config, known)
-            count = _check(camera, calibration)
-            new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, apart, count)
-            new_objects = (
-                None if objects == NOTHING else object_stages(objects, known, pose_options)
-            )
+            new_objects = None if poses == NOTHING else object_stages(poses, known, pose_options)
             warm_up_stages(new_hands, new_objects, known, models)
             source = open_camera(camera, calibration)
         pipeline = stack.enter_context(Pipeline(source, new_hands, new_objects))
-        recorder = stack.enter_context(open_writer(out)) if out is not None else None
         loop = Loop(
             Estimator(known, config), RunClock(pipeline.begin),
             {"camera": StreamInput(pipeline)}, outputs,
@@ -148,6 +152,22 @@ class ProblemPrinter:
             if problem and problem not in self._printed:
                 self._printed.add(problem)
                 warn(problem)
+
+
+def _output(name: str) -> Callable[[Options], Output]:
+    """Return an output's member; refuse the name of a file."""
+    if Path(name).suffix and name not in OUTPUTS.names():
+        raise IgripError(f"--out {name}: intentions go to an output; --record {name} records")
+    return OUTPUTS.get(name)
+
+
+def _poses_and_objects(poses: str, objects: list[str]) -> tuple[str, list[str]]:
+    """Return the pose estimator and where models come from; ``--objects`` once named the former."""
+    for name in (*POSES.names(), NOTHING):
+        if objects == [name]:
+            warn(f"--objects {name}: the pose estimator is --poses {name} now")
+            return name, []
+    return poses, objects
 
 
 def _check(camera: str, calibration: Path | None) -> int:

@@ -12,17 +12,17 @@ from igrip.intention import Intention
 from igrip.observation import Observation
 
 
-class Message(StrEnum):
+class SchemaName(StrEnum):
     """The messages that have a schema."""
 
     observation = "observation"
     intention = "intention"
 
 
-def schema(message: Annotated[Message, typer.Argument(help="Which message.")]) -> None:
+def schema(message: Annotated[SchemaName, typer.Argument(help="Which message.")]) -> None:
     """Print the JSON schema of a message.
 
     Example: igrip schema observation > observation.json
     """
-    kind = Observation if message is Message.observation else Intention
+    kind = Observation if message is SchemaName.observation else Intention
     print_json(kind.json_schema())

@@ -25,8 +25,8 @@ from igrip.runtime.outputs import OUTPUTS
 def stream(
     inputs: Annotated[
         list[str] | None,
-        typer.Option("--in", help="Where observations come from: ws (default) or stdin; "
-                     "repeatable."),
+        typer.Option("--in", help="Where observations come from: ws (default), stdin, lsl or "
+                     "osc; repeatable."),
     ] = None,
     outputs: Annotated[
         list[str] | None,
@@ -47,6 +47,11 @@ def stream(
     port: options.Port = 8765,
     token: options.Token = None,
     name: Annotated[str, typer.Option(help="Of the LSL streams.")] = "igrip",
+    lsl_source: Annotated[
+        str | None,
+        typer.Option(help="Name of the LSL stream to read. Default: each of type MoCap."),
+    ] = None,
+    osc_port: Annotated[int, typer.Option(help="UDP port of --in osc.", min=0, max=65535)] = 9000,
     senders_clock: Annotated[
         bool | None,
         typer.Option("--senders-clock/--arrival-clock",
@@ -70,7 +75,7 @@ def stream(
     Example: igrip stream --in stdin --out stdout < reach.jsonl
     """
     frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
-    shared = Options(host, port, token, name, tuple(assisted or HANDS), frame)
+    shared = Options(host, port, token, name, lsl_source, osc_port, tuple(assisted or HANDS), frame)
     members = {key: INPUTS.get(key)(shared) for key in inputs or ["ws"]}
     outlets = {key: OUTPUTS.get(key)(shared) for key in outputs or ["ws"]}
     piped = len(members) == 1 and all(member.single_sender for member in members.values())

@@ -20,12 +20,12 @@ Scores = NDArray[np.float64]
 class CueConfig(Settings):
     """Parameters of the cues."""
 
-    distance: Literal["vertex", "surface"] = "vertex"  # the paper: vertex (SPEC §4)
+    distance: Literal["vertex", "surface"] = "vertex"  # the paper: vertex
     min_speed: float = quantity(
-        0.03, "m/s", "the distance derivative of a slower hand scores 0", "SPEC §5; guess", ge=0
+        0.03, "m/s", "the distance derivative of a slower hand scores 0", "guess", ge=0
     )
     default_spread: float = quantity(
-        0.5, "m", "d_max if there is one object, or all are at one place", "SPEC §5; guess", gt=0
+        0.5, "m", "d_max if there is one object, or all are at one place", "guess", gt=0
     )
 
     def spread(self, geometry: Geometry) -> float:

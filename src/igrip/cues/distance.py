@@ -22,7 +22,7 @@ def distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
     """Score ``1 - min(d / d_max, 1)``, in [0, 1].
 
     d is the distance to the nearest vertex (the paper) or surface point. The paper prints ``max``,
-    which makes every value ≤ 0 (SPEC §5).
+    which makes every value ≤ 0 (decision 0013).
     """
     distances = geometry.vertex if config.distance == "vertex" else geometry.surface
     scores: Scores = closeness(distances, config.spread(geometry))

@@ -30,7 +30,7 @@ def distance_derivative(motion: Motion, geometry: Geometry, config: CueConfig) -
     """Score ``-ḋ / v``, in [-1, 1] for resting objects; 0 below ``min_speed``.
 
     d is the distance to the centre of gravity. The paper prints ``ḋ / v``, which would choose the
-    object that recedes fastest (SPEC §5).
+    object that recedes fastest (decision 0013).
     """
     if motion.speed < config.min_speed or motion.speed == 0.0:
         return np.zeros(len(geometry.centre_rate))

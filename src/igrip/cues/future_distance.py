@@ -12,7 +12,7 @@ from igrip.motion.trajectory import Motion
 def future_distance(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
     """Score ``1 - min(d / d_max, 1)``, in [0, 1], d from the barycentre of the predicted points.
 
-    The paper prints ``max``, as for the distance (SPEC §5).
+    The paper prints ``max``, as for the distance (decision 0013).
     """
     distances = geometry.future_vertex if config.distance == "vertex" else geometry.future_surface
     scores: Scores = closeness(distances, config.spread(geometry))

@@ -20,6 +20,6 @@ def shares(hits: NDArray[np.int64]) -> Scores:
 
 @cue("impacts", order=1)
 def impacts(motion: Motion, geometry: Geometry, config: CueConfig) -> Scores:
-    """Score ``n_j / Σ n``, in [0, 1]; 0 for all where no ray meets anything (SPEC §5)."""
+    """Score ``n_j / Σ n``, in [0, 1]; 0 for all where no ray meets anything (decision 0013)."""
     scores: Scores = shares(geometry.hits)
     return scores

@@ -30,26 +30,31 @@ class RayConfig(Settings):
     """Cones of rays from the predicted points, and the search for contact."""
 
     rays_per_cone: int = quantity(
-        36, "1", "rays in a cone, its axis included", "DESIGN §7", ge=1, le=1000
+        36,
+        "1",
+        "rays in a cone, its axis included",
+        "guess; docs/benchmarks.md: what it costs",
+        ge=1,
+        le=1000,
     )
-    slow_speed: float = quantity(0.03, "m/s", "at or below it the cone is widest", "SPEC §4", ge=0)
+    slow_speed: float = quantity(0.03, "m/s", "at or below it the cone is widest", "guess", ge=0)
     slow_angle: float = quantity(
-        math.radians(25.0), "rad", "half-angle at slow_speed", "SPEC §4", gt=0, lt=1.5
+        math.radians(25.0), "rad", "half-angle at slow_speed", "guess", gt=0, lt=1.5
     )
-    fast_speed: float = quantity(
-        0.8, "m/s", "at or above it the cone is narrowest", "SPEC §4", gt=0
-    )
+    fast_speed: float = quantity(0.8, "m/s", "at or above it the cone is narrowest", "guess", gt=0)
     fast_angle: float = quantity(
-        math.radians(8.0), "rad", "half-angle at fast_speed", "SPEC §4", gt=0, lt=1.5
+        math.radians(8.0), "rad", "half-angle at fast_speed", "guess", gt=0, lt=1.5
     )
     min_speed: float = quantity(
         0.03, "m/s", "a slower predicted point has no direction, so no cone",
         "as cues.min_speed", ge=0,
     )  # fmt: skip
     contact_distance: float = quantity(
-        0.08, "m", "palm to surface when a grasp closes", "SPEC §9", ge=0
+        0.08, "m", "palm to surface when a grasp closes", "guess", ge=0
     )
-    contact_horizon: float = quantity(2.0, "s", "latest predicted contact", "SPEC §9", gt=0)
+    contact_horizon: float = quantity(
+        2.0, "s", "latest predicted contact", "the authors' code", gt=0
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> RayConfig:

@@ -17,7 +17,7 @@ def is_pinch(
     """Return whether a hand at z = ``axial`` of the object frame pinches.
 
     ``|z| >= 0.85 · half-length``. The paper compares with the full length of the cylinder, which
-    would put the border outside the object, against its own Figure 2 (SPEC §6).
+    would put the border outside the object, against its own Figure 2 (decision 0013).
     """
     return np.abs(axial) >= pinch_threshold * half_length
 

@@ -19,7 +19,7 @@ from igrip.entities import Hand, ObjectPose, kind_of, number
 from igrip.errors import ObservationError
 from igrip.io.defects import Defect
 from igrip.io.frames import DeclaredFrame
-from igrip.io.plausibility import is_missing_marker
+from igrip.io.missing_markers import is_missing_marker
 from igrip.observation import RESERVED_OBJECT_ID, SCHEMA, Observation
 
 ROUNDED_NORM = 0.02  # from 1 of a quaternion that was rounded to two decimals, at most

@@ -29,8 +29,8 @@ def _closest_on_triangle(triangles, k, px, py, pz):
     if d3 >= 0.0 and d4 <= d3:
         return bx, by, bz
     vc = d1 * d4 - d3 * d2
-    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        v = d1 / (d1 - d3) if d1 - d3 > 0.0 else 0.0
+    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0 and d1 - d3 > 0.0:  # a and b may coincide
+        v = d1 / (d1 - d3)
         return ax + v * abx, ay + v * aby, az + v * abz
     cpx, cpy, cpz = px - cx, py - cy, pz - cz
     d5 = abx * cpx + aby * cpy + abz * cpz

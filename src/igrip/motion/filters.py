@@ -40,8 +40,12 @@ Array = NDArray[np.float64]
 class OneEuroConfig(Settings):
     """Parameters of one filter; the unit of ``beta`` is Hz per unit of speed."""
 
-    min_cutoff: float = quantity(1.5, "Hz", "cutoff at rest", "SPEC §2: 1-1.5 Hz", gt=0)
-    beta: float = quantity(5.0, "Hz per m/s or rad/s", "growth with speed", "SPEC §2: 2-8", ge=0)
+    min_cutoff: float = quantity(
+        1.5, "Hz", "cutoff at rest", "guess; the authors' code: 1 Hz", gt=0
+    )
+    beta: float = quantity(
+        5.0, "Hz per m/s or rad/s", "growth with speed", "guess; 2-8 suit a reach", ge=0
+    )
     derivative_cutoff: float = quantity(
         1.0, "Hz", "cutoff of the derivative that measures speed", "Casiez et al. 2012", gt=0
     )

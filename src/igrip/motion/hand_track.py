@@ -94,7 +94,7 @@ class HandTrack:
             return self._rejection
         if self._stale:
             if math.isnan(self.gate.newest):
-                return "never measured in a way that could be believed"
+                return "no trusted measurement yet"
             why = f": {self._not_seen}" if self._not_seen else ""
             return f"not measured for {now - self.gate.newest:.2f} s{why}"
         if self.motion is None:

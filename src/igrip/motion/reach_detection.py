@@ -23,7 +23,7 @@ class ReachConfig(Settings):
 
     time_constant: float = quantity(
         0.06, "s", "memory of the fit of position, velocity and acceleration",
-        "guess; 0.04-0.15 were tried on near/far reaches, by a script that is not kept", gt=0,
+        "guess; 0.04-0.15 were tried once on near/far reaches, without a kept record", gt=0,
     )  # fmt: skip
     onset_distance: float = quantity(
         0.008, "m", "a hand moves once it is this far from its place of rest",
@@ -51,8 +51,9 @@ class ReachConfig(Settings):
     )
     rest_speed: float = quantity(0.04, "m/s", "a slower hand rests", "guess", gt=0)
     rest_speed_fraction: float = quantity(
-        0.10, "1", "a hand slower than this part of its peak speed rests", "SPEC §7", ge=0, lt=1
-    )
+        0.10, "1", "a hand slower than this part of its peak speed rests", "the authors' code",
+        ge=0, lt=1,
+    )  # fmt: skip
     rest_noise_factor: float = quantity(
         1.5, "1", "so does one slower than this many standard deviations of a measurement over "
         "end_time_constant", "guess", ge=0,

@@ -23,12 +23,12 @@ class MotionConfig(Settings):
 
     filter: OneEuroConfig = OneEuroConfig()
     reach: ReachConfig = ReachConfig()
-    window: int = quantity(20, "samples", "n_f, length of the window", "SPEC §3", ge=3, le=1000)
-    window_duration: float = quantity(
-        1.0, "s", "older samples leave the window", "SPEC §3: bounded by time", gt=0
+    window: int = quantity(
+        20, "samples", "n_f, length of the window", "guess; paper: n_f", ge=3, le=1000
     )
-    future_points: int = quantity(10, "1", "number of predicted points", "SPEC §3", ge=1, le=100)
-    horizon: float = quantity(0.3, "s", "time of the last predicted point", "SPEC §3", gt=0)
+    window_duration: float = quantity(1.0, "s", "older samples leave the window", "guess", gt=0)
+    future_points: int = quantity(10, "1", "number of predicted points", "guess", ge=1, le=100)
+    horizon: float = quantity(0.3, "s", "time of the last predicted point", "guess", gt=0)
 
 
 class Motion(NamedTuple):

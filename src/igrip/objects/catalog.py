@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
-import os
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +12,7 @@ import numpy as np
 from igrip.compiled import cache_directory
 from igrip.errors import MeshUnitError, ObjectsError, UnknownModelError
 from igrip.mesh.bvh import Bvh
+from igrip.objects.array_cache import read_arrays, sources_digest, write_arrays
 from igrip.objects.mesh_files import MeshFile, Primitive, parse_primitive
 from igrip.objects.mesh_folder import folder_meshes, normal, ycb_meshes
 from igrip.objects.model import ObjectModel, build_model
@@ -177,7 +175,7 @@ def _load(mesh: MeshFile | Primitive) -> ObjectModel:
         digest = mesh.digest()
     except OSError as error:
         raise ObjectsError(f"{mesh.name}: cannot be read: {error}") from error
-    path = cache_directory() / "models" / f"{_builder_digest()}-{digest[:32]}.npz"
+    path = cache_directory() / "models" / f"{sources_digest(_CACHED_BY)[:8]}-{digest[:32]}.npz"
     cached = _read_cache(path, mesh)
     if cached is not None:
         model, remarks = cached
@@ -200,11 +198,6 @@ def _warn(remarks: Sequence[str]) -> None:
         log.warning(remark)
 
 
-def _builder_digest() -> str:
-    here = Path(__file__).parent.parent
-    return hashlib.sha256(b"".join((here / f).read_bytes() for f in _CACHED_BY)).hexdigest()[:8]
-
-
 _TREES = ("bvh", "vertex_tree")
 _SCALARS = ("length", "radius")
 _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "inscribed_spheres")
@@ -212,14 +205,16 @@ _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "inscrib
 
 def _read_cache(path: Path, mesh: MeshFile | Primitive) -> tuple[ObjectModel, list[str]] | None:
     """Return a model and what was odd about its file; None where the cache has no whole one."""
+    stored = read_arrays(path)
+    if stored is None:
+        return None
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
-            fields.update({name: float(stored[name]) for name in _SCALARS})
-            for tree in _TREES:
-                fields[tree] = Bvh(*(stored[f"{tree}_{name}"] for name in Bvh._fields))
-            remarks = [str(remark) for remark in stored["remarks"]]
-    except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
+        fields: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
+        fields.update({name: float(stored[name]) for name in _SCALARS})
+        for tree in _TREES:
+            fields[tree] = Bvh(*(stored[f"{tree}_{name}"] for name in Bvh._fields))
+        remarks = [str(remark) for remark in stored["remarks"]]
+    except (KeyError, TypeError):
         return None  # it is built again
     return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, **fields), remarks
 
@@ -230,11 +225,4 @@ def _write_cache(path: Path, model: ObjectModel, remarks: Sequence[str]) -> None
     for tree in _TREES:
         parts = getattr(model, tree)._asdict()
         arrays.update({f"{tree}_{name}": array for name, array in parts.items()})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **arrays)
-        os.replace(temporary, path)  # whole or not at all
-    except OSError:
-        return  # a cache that cannot be written is only slow
+    write_arrays(path, arrays)

@@ -21,8 +21,8 @@ Symmetry = Literal["none", "cylinder", "box"]
 class ObjectModel:
     """A mesh as the estimator needs it. All in metres, in the frame of the mesh's file.
 
-    The object frame (SPEC §6) has its z axis along the longest edge of the oriented bounding box,
-    and its origin at the mid-length of the bounding cylinder about that axis.
+    The object frame has its z axis along the longest edge of the oriented bounding box, and its
+    origin at the mid-length of the bounding cylinder about that axis (docs/decisions/0013).
 
     Attributes
     ----------

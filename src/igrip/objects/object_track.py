@@ -75,11 +75,11 @@ class ObjectTrack:
         if self._no_model is not None:
             return self._no_model
         if not self._filter.begun:
-            return self._rejection or "not seen yet"
+            return self._rejection or "not detected yet"
         if not self._stale:
             return None
         why = f": {self._not_seen}" if self._not_seen else ""
-        return self._rejection or f"not seen for too long{why}"
+        return self._rejection or f"not detected for too long{why}"
 
     @property
     def fault(self) -> str | None:

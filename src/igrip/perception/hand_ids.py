@@ -23,7 +23,7 @@ NO_MATCH = 1e3  # m
 class HandIdConfig(Settings):
     """How hands may move, and when they are new or lost."""
 
-    max_hands: int = quantity(2, "1", "hands that have ids", "DESIGN", ge=1, le=4)
+    max_hands: int = quantity(2, "1", "hands that have ids", "two hands of one person", ge=1, le=4)
     max_speed: float = quantity(
         4.0, "m/s", "of a hand; reaches peak at 1 to 2, blows at 6 to 10", "guess", gt=0
     )

@@ -160,6 +160,10 @@ class Loop:
         item = _Item(message, self._clock.now(), sender)
         self._queue.put(item, sender, wait, urgent=isinstance(message, Command))
 
+    def now(self) -> float:
+        """Return the time of the run [s]; from any thread."""
+        return self._clock.now()
+
     def wait_for_demand(self) -> bool:
         """Block until a message could be handled at once; False: the run is over."""
         return self._queue.wait_for_reader()

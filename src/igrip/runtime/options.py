@@ -18,6 +18,8 @@ class Options:
     port: int = 8765  # 0: any that is free
     token: str | None = None
     stream_name: str = "igrip"  # of the Lab Streaming Layer streams
+    source_name: str | None = None  # of the LSL stream that is read; None: each of type MoCap
+    osc_port: int = 9000  # 0: any that is free
     hands: tuple[str, ...] = HANDS  # that have channels in a signal
     frame: DeclaredFrame = field(default_factory=DeclaredFrame)  # of what inputs receive
     shared: dict[str, Any] = field(default_factory=dict)  # such as one server of input and output

@@ -53,7 +53,7 @@ TIE = 1e-12
 
 
 def best_of(scores: Scores) -> int | None:
-    """Return the index of the highest score; None where it is ≤ 0 or shared (SPEC §5)."""
+    """Return the index of the highest score; None where it is ≤ 0 or shared (decision 0013)."""
     values = scores.tolist()  # a few numbers: plain Python is done before numpy has begun
     highest = max(values, default=0.0)
     if not highest > 0.0 or any(map(math.isnan, values)):

@@ -9,46 +9,29 @@ unwarped time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from igrip.geometry.scene import Geometry
-from igrip.motion.trajectory import Motion
-from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
-from igrip.targets.learned.reach_library import (
-    AccumulatedLikelihood,
-    ReachFrames,
-    library_array,
-    log_volume,
-)
+from igrip.targets import TARGETS, Scores
+from igrip.targets._reach_classifier import ReachClassifier
+from igrip.targets.learned.reach_library import ReachCoordinates, library_array
 
 
-class Gaussians:
+@TARGETS.register("gaussians")
+class Gaussians(ReachClassifier):
     """Classifies a movement by Gaussians over time."""
 
     def __init__(self) -> None:
         self._step = float(library_array("gaussians", "step_s", shape=()))
+        super().__init__(self._step)
         self._mean = library_array("gaussians", "mean", shape=(-1, 2))
         covariance = library_array("gaussians", "covariance", shape=(len(self._mean), 2, 2))
         self._precision = np.linalg.inv(covariance)
         self._log_size = 0.5 * np.linalg.slogdet(self._precision)[1]
-        self._frames, self._likelihood = ReachFrames(), AccumulatedLikelihood(self._step)
 
-    def update(
-        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
-    ) -> TargetEstimate:
-        """Return the object whose reach the movement so far fits best."""
-        reach = self._frames.update(motion, geometry)
-        if reach is None:
-            probability = self._likelihood.probability(geometry)
-            return TargetEstimate(best_of(probability), probability)
+    def log_density(self, reach: ReachCoordinates) -> Scores:
+        """Return the log density of the Gaussian of this time."""
         k = min(round(reach.elapsed / self._step), len(self._mean) - 1)
         offset = reach.place - self._mean[k]
-        fit = -0.5 * np.einsum("oi,ij,oj->o", offset, self._precision[k], offset)
-        fit += self._log_size[k]
-        probability = self._likelihood.add(geometry, reach, fit - log_volume(reach))
-        return TargetEstimate(best_of(probability), probability)
-
-
-TARGETS.register("gaussians")(Gaussians)
+        density: Scores = -0.5 * np.einsum("oi,ij,oj->o", offset, self._precision[k], offset)
+        density += self._log_size[k]
+        return density

@@ -7,49 +7,32 @@ for each motion class; ours is one in the frame of the reach (``learned.reach_li
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from igrip.geometry.scene import Geometry
-from igrip.motion.trajectory import Motion
-from igrip.targets import TARGETS, Scores, TargetEstimate, best_of
-from igrip.targets.learned.reach_library import (
-    AccumulatedLikelihood,
-    ReachFrames,
-    library_array,
-    log_volume,
-)
+from igrip.targets import TARGETS, Scores
+from igrip.targets._reach_classifier import ReachClassifier
+from igrip.targets.learned.reach_library import ReachCoordinates, library_array
 
 STEP = 1.0 / 30.0  # s; time that a sample stands for
 
 
-class Mixtures:
+@TARGETS.register("mixtures")
+class Mixtures(ReachClassifier):
     """Classifies a movement by a Gaussian mixture over time and place."""
 
     def __init__(self) -> None:
+        super().__init__(STEP)
         self._mean = library_array("mixture", "mean", shape=(-1, 3))
         parts = len(self._mean)
         precision = np.linalg.inv(library_array("mixture", "covariance", shape=(parts, 3, 3)))
         self._root = np.linalg.cholesky(precision)
         weight = library_array("mixture", "weight", shape=(parts,))
         self._log_weight = np.log(weight) + 0.5 * np.linalg.slogdet(precision)[1]
-        self._frames, self._likelihood = ReachFrames(), AccumulatedLikelihood(STEP)
 
-    def update(
-        self, motion: Motion, geometry: Geometry, cues: Mapping[str, Scores]
-    ) -> TargetEstimate:
-        """Return the object under whose reach the samples so far are likeliest."""
-        reach = self._frames.update(motion, geometry)
-        if reach is None:
-            probability = self._likelihood.probability(geometry)
-            return TargetEstimate(best_of(probability), probability)
+    def log_density(self, reach: ReachCoordinates) -> Scores:
+        """Return the log density of the mixture at time and place."""
         at = np.column_stack([np.full(len(reach.place), reach.elapsed), reach.place])
         offset = np.einsum("okj,kji->oki", at[:, None] - self._mean, self._root)
         each = self._log_weight - 0.5 * (offset**2).sum(axis=2)
-        fit = np.logaddexp.reduce(each, axis=1) - log_volume(reach)
-        probability = self._likelihood.add(geometry, reach, fit)
-        return TargetEstimate(best_of(probability), probability)
-
-
-TARGETS.register("mixtures")(Mixtures)
+        density: Scores = np.logaddexp.reduce(each, axis=1)
+        return density

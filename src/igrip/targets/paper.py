@@ -9,7 +9,7 @@ from igrip.targets._weighted_cues import WeightedCues, Weights
 
 
 def paper_weights(speed: float, window_peak_speed: float | None) -> Weights:
-    """Return w_0 and w_1 of the paper (Eqs. 6, 7), its misprints corrected (SPEC §5).
+    """Return w_0 and w_1 of the paper (Eqs. 6, 7), corrected (docs/decisions/0013).
 
     The peak is that of the window *before* the current sample; with the sample inside, it could
     never be exceeded. Without an earlier sample, or with both speeds zero, both weights are 1.

@@ -1,4 +1,4 @@
-"""The paper's estimator with weights that let the distances count to the end (SPEC §5)."""
+"""The paper's estimator with weights that let the distances count to the end."""
 
 from __future__ import annotations
 

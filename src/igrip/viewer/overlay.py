@@ -12,6 +12,7 @@ from igrip.describe import describe
 from igrip.errors import requires_extra
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
+from igrip.perception.hands import PALM
 from igrip.rgbd import RgbdFrame
 from igrip.viewer.drawing import HANDS, TARGET
 
@@ -21,7 +22,6 @@ BONES = (
     (11, 12), (9, 13), (13, 14), (14, 15), (15, 16), (13, 17), (17, 18), (18, 19), (19, 20),
     (0, 17),
 )  # fmt: skip
-PALM = (0, 5, 17)  # their mean is the palm centre (the paper's, SPEC)
 OTHER, OUTLINE, INK, PAPER = (120, 120, 120), (240, 200, 70), (255, 255, 255), (30, 30, 30)
 MIN_DEPTH = 0.05  # m; nearer objects have no outline
 

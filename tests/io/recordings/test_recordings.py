@@ -58,7 +58,8 @@ def test_unknown_endings_and_schemes(tmp_path, monkeypatch, name, open_it, famil
         open_it(name)
     assert (raised.value.family, raised.value.name) == (family, name)
     assert {".jsonl", ".mcap", "jsonl:…"} <= set(raised.value.choices)
-    assert ".jsonl, .mcap, jsonl:…" in str(raised.value)
+    assert ", ".join(raised.value.choices) in str(raised.value)
+    assert (".db3" in raised.value.choices) == (family == "source")  # bags can only be read
     assert not list(tmp_path.iterdir())
 
 

@@ -10,6 +10,12 @@ from igrip.errors import MissingExtraError, UnknownNameError
 from igrip.perception.cameras import CAMERAS, CameraError, open_camera, split_names
 
 
+def test_a_misspelt_kind_of_camera_is_refused_before_any_is_opened():
+    for name in ("oka", "oka:1", "oka?fps=3", "oka:1+webcam:0"):
+        with pytest.raises(UnknownNameError, match="did you mean 'oak'"):
+            split_names(name)
+
+
 def test_members():
     assert {"oak", "realsense", "webcam", "replay"} <= set(CAMERAS.names())
 

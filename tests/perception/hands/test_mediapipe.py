@@ -108,7 +108,7 @@ def test_the_hand_of_the_film_is_found(detectors, shared_data):
     film = cv2.VideoCapture(str(shared_data / "images" / "hand_720p.mp4"))
     camera = Intrinsics(1280, 720, 900.0, 900.0, 640.0, 360.0)
     detector, counts = detectors(), []
-    for k in range(120):  # all 621: docs/measure_hands.py
+    for k in range(120):  # all 621: benchmarks/measure_hands.py
         good, picture = film.read()
         assert good
         colour = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)

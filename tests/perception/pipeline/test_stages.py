@@ -96,7 +96,7 @@ def test_two_cameras_that_see_one_hand_call_it_the_same():
 
 
 def test_kept_apart_each_camera_names_its_own():
-    stages = [HandStage(Detector([160.0, 100.0]), new_ids(), apart=True) for _ in range(2)]
+    stages = [HandStage(Detector([160.0, 100.0]), new_ids(), separate=True) for _ in range(2)]
     found = [
         run(stage, [frame(k / 30, camera) for k in range(5)])
         for stage, camera in zip(stages, "ab", strict=True)

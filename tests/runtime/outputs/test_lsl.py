@@ -23,6 +23,9 @@ from runtime_fakes import PATIENCE, until
 class FakeLoop:
     session = "session"
 
+    def warn(self, text):
+        pass
+
 
 def new_output(name):
     output = LslOutput(Options(stream_name=name))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -74,7 +75,7 @@ def test_objects_behind_are_no_rivals():
 def test_the_file_says_where_its_numbers_come_from(scorer):
     told = scorer.provenance
     assert "folds of people" in told["real"]
-    assert set(told["tables"]) == {"reaches.parquet", "trials.parquet"}
+    assert {Path(name).name for name in told["tables"]} == {"reaches.parquet", "trials.parquet"}
     assert WEIGHTS.stat().st_size < 120_000
 
 

@@ -38,6 +38,8 @@ class RecordingFormat:
         return self.reader(path) if frame is None else self.reader(path, frame)
 
 
+FOLDERS = "ros2"  # the source of folders; it has no ending
+
 # a source of a third party may be any function from the name to observations
 SOURCES: Registry[OpenSource] = Registry("source", "igrip.io.recordings", "igrip.sources")
 
@@ -104,9 +106,16 @@ def _find(name: str | Path, family: str) -> tuple[OpenSource, str]:
         source = SOURCES.get(scheme)
         return source, rest if isinstance(source, RecordingFormat) else text
     if (Path(text) / "metadata.yaml").is_file():
-        return SOURCES.get("ros2"), text
+        return SOURCES.get(FOLDERS), text
     ending = Path(text).suffix.lower().removeprefix(".")
     if ending not in known:
-        choices = [f".{other}" for other in known] + [f"{other}:…" for other in known]
+        known = tuple(other for other in known if family == "source" or _is_writable(other))
+        choices = [f".{other}" for other in known if other != FOLDERS]
+        choices += [f"{other}:…" for other in known]
         raise UnknownNameError(family, text, choices)
     return SOURCES.get(ending), text
+
+
+def _is_writable(name: str) -> bool:
+    source = SOURCES.get(name)
+    return isinstance(source, RecordingFormat) and source.writer is not None

@@ -115,5 +115,5 @@ class BagReader(RecordingReader):
                 topics.update({(name, kind): n for name, kind, n in connection.execute(count)})
                 for name, kind, time, data in connection.execute(query, (*READABLE, MAX_BYTES)):
                     yield RawMessage(str(name), str(kind), time / 1e9, bytes(data))
-        except (sqlite3.Error, TypeError) as error:
+        except (sqlite3.Error, TypeError, ValueError) as error:
             raise RecordingError(f"{self.path}: is no bag of ROS 2: {error}") from error

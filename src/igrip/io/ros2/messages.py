@@ -20,6 +20,7 @@ POSES = (
 )  # fmt: skip
 READABLE = (*TRANSFORMS, *POSES)
 MAX_LATENCY = 5.0  # s from a stamp to its arrival; one that is older is of another clock
+_NO_THINGS = re.compile(r"camera|optical|sensor|imu|^map$|^odom|^base|^world", re.IGNORECASE)
 _NO_NAMES = {"pose", "poses", "tf", "odom", "tracker", "vrpn", "mocap", "data", "world"}
 
 
@@ -27,8 +28,8 @@ class RosMessages:
     """Turns messages of ROS 2 into messages of igrip, which count time from the first.
 
     A frame or topic that is named as a hand (``right_hand``) is a hand; every other one that no
-    other frame is given in is an object, whose model is named as it is. A pose is that of the root
-    of the tree of transforms.
+    other frame is given in is an object, whose model is named as it is; frames of cameras, maps and
+    robots are neither. A pose is that of the root of the tree of transforms.
 
     Raises
     ------
@@ -89,7 +90,7 @@ class RosMessages:
                 self._tree.set(child, parent, _pose(shift, turn))
             for one in transforms:
                 parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
-                if not self._tree.is_parent(child):
+                if not self._tree.is_parent(child) and not _NO_THINGS.search(child):
                     shift, turn = one.transform.translation, one.transform.rotation
                     pose = self._tree.in_root(parent, _pose(shift, turn))
                     yield child, _seconds(one.header.stamp), pose

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -54,5 +55,4 @@ class TransformTree:
 
 
 def _is_rotation(quaternion: NDArray[np.float64]) -> bool:
-    norm = float(np.linalg.norm(quaternion))
-    return np.isfinite(norm) and norm > 0.5
+    return 0.5 < math.hypot(*quaternion) < 2.0

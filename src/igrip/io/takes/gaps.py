@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.io.plausibility import missing_rows
+from igrip.io.missing_markers import missing_rows
 
 Array = NDArray[np.float64]
 MIN_ZERO_JUMP = 10.0  # of the median step: from a zero that is no measurement to its neighbours

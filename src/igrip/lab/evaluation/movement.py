@@ -1,4 +1,4 @@
-"""Onset and end of a movement, from a trace that no estimator has touched (SPEC §7)."""
+"""Onset and end of a movement, from a trace that no estimator has touched."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def score_answers(
     own = [i for i in intentions if i.hand == trial.hand]
     times = np.array([i.t for i in own])
     right = np.array([i.target == trial.target for i in own], dtype=bool)
-    # the grip of the *predicted* target, whichever it is (SPEC §7)
+    # the grip of the *predicted* target, whichever it is (paper, "Trial evaluation")
     grip = np.array([i.grip is not None and i.grip == trial.grip for i in own], dtype=bool)
     # an answer was possible: the hand is followed, and some object can be used
     following = ("idle", "reaching", "holding")

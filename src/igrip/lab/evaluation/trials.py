@@ -1,4 +1,4 @@
-"""How one trial went: its detections, success, delay, margin, accuracy on the way (SPEC §7)."""
+"""How one trial went: its detections, success, delay, margin, accuracy on the way."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def longest_run(correct: Flags) -> tuple[int, int]:
 
 
 def score_trial(times: Times, correct: Flags, onset: float, end: float) -> TrialScore:
-    """Score one trial as the paper does (SPEC §7).
+    """Score one trial as the paper does (its "Trial evaluation"; docs/evaluation.md).
 
     ``times`` (n,) are those of the frames, increasing [s]; ``correct`` (n,) says whether the answer
     was right in each. Frames after the end (k_f) do not count.

@@ -20,7 +20,7 @@ class DemoConfig(Settings):
     """The person, the table and the sensors of the demo. All sizes are guesses."""
 
     rate: float = quantity(30.0, "Hz", "measurements of the hands", "paper: 30 FPS", gt=0)
-    object_rate: float = quantity(12.0, "Hz", "measurements of objects", "SPEC §1", gt=0)
+    object_rate: float = quantity(12.0, "Hz", "measurements of objects", "CosyPose: 10-15 Hz", gt=0)
     object_latency: float = quantity(0.08, "s", "age of an object's pose on arrival", ge=0)
     hand_noise: float = quantity(0.003, "m", "sd of the hands' positions", ge=0)
     object_noise: float = quantity(0.001, "m", "sd of the objects' positions", ge=0)

@@ -73,7 +73,7 @@ class DemoScore:
         movement = task.end - task.onset
         row = {
             "hand": task.hand, "target": task.target, "grip": task.grip,
-            "said_target": last.target, "said_grip": last.grip,
+            "predicted_target": last.target, "predicted_grip": last.grip,
             "target_right": last.target == task.target, "grip_right": last.grip == task.grip,
             "found_after_s": found, "movement_s": movement,
         }  # fmt: skip

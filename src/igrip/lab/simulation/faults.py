@@ -57,15 +57,15 @@ class Fault:
 
 
 @dataclass
-class Spell:
-    """One spell of a fault, with what is drawn once for all of it."""
+class Episode:
+    """One episode of a fault, with what is drawn once for all of it."""
 
     random: np.random.Generator
     until: float = -math.inf
     drawn: dict[str, Any] = field(default_factory=dict)
 
     def once(self, key: str, draw: Callable[[], Any]) -> Any:
-        """Return what was drawn for this spell, drawing it the first time."""
+        """Return what was drawn for this episode, drawing it the first time."""
         if key not in self.drawn:
             self.drawn[key] = draw()
         return self.drawn[key]
@@ -106,15 +106,15 @@ def _next(ids: Iterable[str]) -> Iterator[tuple[str, str]]:
     return zip(ordered, ordered[1:] + ordered[:1], strict=True)
 
 
-def _jump(message: Observation, spell: Spell) -> Observation:
+def _jump(message: Observation, episode: Episode) -> Observation:
     def away(id: str, hand: Hand) -> list[float]:
-        step = spell.once(id, lambda: spell.random.uniform(-1.0, 1.0, 3))
+        step = episode.once(id, lambda: episode.random.uniform(-1.0, 1.0, 3))
         return (np.array(hand.position) + step).tolist()  # type: ignore[no-any-return]
 
     return _move_hands(message, away)
 
 
-def _wrong(message: Observation, spell: Spell) -> Observation:
+def _wrong(message: Observation, episode: Episode) -> Observation:
     poses = {id: pose for id, pose in message.objects.items() if pose is not None}
     moved = {
         id: msgspec.structs.replace(
@@ -125,41 +125,43 @@ def _wrong(message: Observation, spell: Spell) -> Observation:
     return _with(message, objects={**message.objects, **moved})
 
 
-Change = Callable[[Observation, Spell], Observation | None]
+Change = Callable[[Observation, Episode], Observation | None]
 KINDS: dict[str, Change] = {
     # nothing comes but ticks
-    "drop": lambda message, spell: None,
+    "drop": lambda message, episode: None,
     # hands stay where they were, to the last bit, at new times
-    "freeze": lambda message, spell: _move_hands(
-        message, lambda id, hand: spell.once(id, lambda: hand.position)
+    "freeze": lambda message, episode: _move_hands(
+        message, lambda id, hand: episode.once(id, lambda: hand.position)
     ),
     # hands are elsewhere, by up to a metre
     "jump": _jump,
     # every hand goes by the name of the next
-    "swap": lambda message, spell: _with(
+    "swap": lambda message, episode: _with(
         message, hands={id: message.hands[other] for id, other in _next(message.hands)}
     ),
     # hands, or objects, are looked for and not detected
-    "lose": lambda message, spell: _with(message, hands=dict.fromkeys(message.hands)),
-    "vanish": lambda message, spell: _with(message, objects=dict.fromkeys(message.objects)),
+    "lose": lambda message, episode: _with(message, hands=dict.fromkeys(message.hands)),
+    "vanish": lambda message, episode: _with(message, objects=dict.fromkeys(message.objects)),
     # every object stands where the next one does
     "wrong": _wrong,
     # the sensors' clock is set anew, by up to two seconds
-    "step": lambda message, spell: _shift_times(
-        message, spell.once("step", lambda: float(spell.random.uniform(-2.0, 2.0)))
+    "step": lambda message, episode: _shift_times(
+        message, episode.once("step", lambda: float(episode.random.uniform(-2.0, 2.0)))
     ),
     # everything was measured long ago, or claims to come from the future
-    "stale": lambda message, spell: _shift_times(message, -1.0),
-    "future": lambda message, spell: _shift_times(message, 1.0),
+    "stale": lambda message, episode: _shift_times(message, -1.0),
+    "future": lambda message, episode: _shift_times(message, 1.0),
     # every message comes twice
-    "duplicate": lambda message, spell: message,
+    "duplicate": lambda message, episode: message,
     # messages come later than they were measured: all by as much, or overtaking each other
-    "delay": lambda message, spell: _shift_times(message, 0.0),
-    "reorder": lambda message, spell: _shift_times(message, 0.0),
+    "delay": lambda message, episode: _shift_times(message, 0.0),
+    "reorder": lambda message, episode: _shift_times(message, 0.0),
 }
-DELAYS: dict[str, Callable[[Spell], float]] = {  # by how much messages are held back [s]
-    "delay": lambda spell: float(spell.once("delay", lambda: spell.random.uniform(0.05, 0.6))),
-    "reorder": lambda spell: float(spell.random.uniform(0.0, 0.15)),
+DELAYS: dict[str, Callable[[Episode], float]] = {  # by how much messages are held back [s]
+    "delay": lambda episode: float(
+        episode.once("delay", lambda: episode.random.uniform(0.05, 0.6))
+    ),
+    "reorder": lambda episode: float(episode.random.uniform(0.0, 0.15)),
 }
 
 
@@ -172,16 +174,16 @@ def inject(
     """Yield the messages of a source as they come when things go wrong, the same for the same seed.
 
     Times never decrease, and every message is well formed: what is wrong is what they say.
-    ``counts`` is increased by how many spells of each kind began.
+    ``counts`` is increased by how many episodes of each kind began.
     """
-    spells = [Spell(np.random.default_rng([seed, k])) for k in range(len(faults))]
+    episodes = [Episode(np.random.default_rng([seed, k])) for k in range(len(faults))]
     held: list[tuple[float, int, Observation]] = []
     last, ticked = -math.inf, -math.inf
     for number, message in enumerate(source):
-        for k, (fault, spell) in enumerate(zip(faults, spells, strict=True)):
-            if message.t > spell.until and _begins(fault, message.t, last, spell.random):
+        for k, (fault, episode) in enumerate(zip(faults, episodes, strict=True)):
+            if message.t > episode.until and _begins(fault, message.t, last, episode.random):
                 begin = message.t if math.isnan(fault.at) else fault.at
-                spells[k] = Spell(spell.random, until=begin + fault.lasts)
+                episodes[k] = Episode(episode.random, until=begin + fault.lasts)
                 if counts is not None:
                     counts[fault.kind] += 1
         last = message.t
@@ -191,11 +193,11 @@ def inject(
             ticked = due
         changed: Observation | None = message
         wait, twice = 0.0, False
-        for fault, spell in zip(faults, spells, strict=True):
-            if changed is None or message.t > spell.until:
+        for fault, episode in zip(faults, episodes, strict=True):
+            if changed is None or message.t > episode.until:
                 continue
-            changed = KINDS[fault.kind](changed, spell)
-            wait += DELAYS[fault.kind](spell) if fault.kind in DELAYS else 0.0
+            changed = KINDS[fault.kind](changed, episode)
+            wait += DELAYS[fault.kind](episode) if fault.kind in DELAYS else 0.0
             twice |= fault.kind == "duplicate"
         if changed is None or wait:
             if changed is not None:

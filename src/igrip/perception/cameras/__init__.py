@@ -70,7 +70,7 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
     opened: list[Camera] = []
     try:
         for one in split_names(name):
-            scheme = re.split("[:?]", one, maxsplit=1)[0]
+            scheme = _scheme(one)
             opened.append(CAMERAS.get(scheme)(one[len(scheme) :].removeprefix(":")))
     except BaseException:
         for camera in opened:
@@ -81,6 +81,19 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
 
 
 def split_names(name: str) -> list[str]:
-    """Return the names that ``+`` joins; a plus within a file's name is none of these."""
+    """Return the names that ``+`` joins; a plus within a file's name is none of these.
+
+    Raises
+    ------
+    UnknownNameError
+        If one of them is of no kind of camera that exists. None is opened.
+    """
     schemes = "|".join(map(re.escape, CAMERAS.names()))
-    return re.split(rf"\+(?=(?:{schemes})(?:[:?+]|$))", name)
+    names = re.split(rf"\+(?=(?:{schemes})(?:[:?+]|$))", name)
+    for one in names:
+        CAMERAS.check(_scheme(one))
+    return names
+
+
+def _scheme(name: str) -> str:
+    return re.split("[:?]", name, maxsplit=1)[0]

@@ -1,4 +1,4 @@
-"""What a camera's pictures tell of it: black, without depth, or always the same."""
+"""Checks of a camera's pictures: black, without depth, or always the same."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ AHEAD = 0.05  # s by which a frame may seem to come from the future; as GatingCo
 WARM_UP = 10.0  # s that the first frame may take; guess
 
 
-class Fault(NamedTuple):
+class CameraFailure(NamedTuple):
     """What a camera sends instead of new pictures, and what to do."""
 
     what: str
@@ -29,7 +29,9 @@ class Fault(NamedTuple):
 
 
 RESTART = "unplug it, plug it in again, and start again"
-NO_PICTURE = Fault("no picture", "is it still plugged in, switched on, and used by nothing else?")
+NO_PICTURE = CameraFailure(
+    "no picture", "is it still plugged in, switched on, and used by nothing else?"
+)
 
 
 class PolledCamera(ABC):
@@ -88,7 +90,7 @@ class PolledCamera(ABC):
             now = self.clock()
             if frame is not None:
                 arrived = now
-                found = self._fault(frame, last, now)
+                found = self._failure(frame, last, now)
                 if found is None:
                     last, patience = frame.t, PATIENCE
                     self._check.update(frame)
@@ -100,21 +102,21 @@ class PolledCamera(ABC):
                 what, advice = fault if now - arrived < 0.5 * patience else NO_PICTURE
                 raise CameraError(f"for {patience:g} s {self.name} has sent {what}; {advice}")
 
-    def _fault(self, frame: RgbdFrame, last: float, now: float) -> Fault | None:
+    def _failure(self, frame: RgbdFrame, last: float, now: float) -> CameraFailure | None:
         """Return why a frame cannot be used; None: it can.
 
         A clock that was set back must not turn time round, one that was set ahead not mute the
         camera, and a buffer that is sent again not pass for a new picture.
         """
         if frame.t > now + AHEAD:
-            return Fault(f"pictures dated {frame.t - now:.1f} s in the future", RESTART)
+            return CameraFailure(f"pictures dated {frame.t - now:.1f} s in the future", RESTART)
         if frame.t <= last:
-            return Fault("pictures whose time does not increase", RESTART)
+            return CameraFailure("pictures whose time does not increase", RESTART)
         if self._check.is_new(frame):
             return None
         if is_black(frame.colour):
-            return Fault("black pictures only", f"{OPEN_SHUTTER}, then start again")
-        return Fault("the same picture again and again", RESTART)
+            return CameraFailure("black pictures only", f"{OPEN_SHUTTER}, then start again")
+        return CameraFailure("the same picture again and again", RESTART)
 
     def close(self) -> None:
         """Release the device; a waiting iteration ends."""

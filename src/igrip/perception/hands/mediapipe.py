@@ -29,7 +29,9 @@ MAX_MISSES = 3  # frames without the hand until a tile is given up; guess
 class MediaPipeConfig(Settings):
     """How many hands, how surely, and how hard to look for those that are missed."""
 
-    max_hands: int = quantity(2, "1", "hands that are reported", "DESIGN", ge=1, le=4)
+    max_hands: int = quantity(
+        2, "1", "hands that are reported", "two hands of one person", ge=1, le=4
+    )
     min_detection: float = quantity(
         0.5, "1", "score from which on a palm is detected", "MediaPipe", gt=0, lt=1
     )

@@ -48,11 +48,11 @@ class HandIds:
 class HandStage:
     """Detects hands, measures their palms, and gives them ids.
 
-    ``detector`` is that of one camera; ``apart``: ids carry the camera's name (``CAMERA/right``).
+    ``detector`` is that of one camera. ``separate``: ids begin with its name (``CAMERA/right``).
     """
 
-    def __init__(self, detector: HandDetector, ids: HandIds, apart: bool = False) -> None:
-        self._detector, self._ids, self._apart = detector, ids, apart
+    def __init__(self, detector: HandDetector, ids: HandIds, separate: bool = False) -> None:
+        self._detector, self._ids, self._separate = detector, ids, separate
 
     def __call__(self, frame: RgbdFrame) -> DetectedHands:
         """Return the hands of a frame; those without depth on them are not measured."""
@@ -64,7 +64,7 @@ class HandStage:
         ]
         hands, landmarks = {}, {}
         for id, k in self._ids.update(frame.t, palms).items():
-            name = f"{frame.camera}/{id}" if self._apart else id
+            name = f"{frame.camera}/{id}" if self._separate else id
             hands[name] = None if k is None else measured[k][1]
             if k is not None:
                 landmarks[name] = measured[k][0].landmarks
@@ -129,7 +129,7 @@ class ObjectStage:
 
 
 def hand_stages(
-    name: str, max_hands: int, apart: bool = False, cameras: int = 1
+    name: str, max_hands: int, separate: bool = False, cameras: int = 1
 ) -> Callable[[], HandStage]:
     """Return a function that makes a :class:`HandStage` for each camera.
 
@@ -139,7 +139,7 @@ def hand_stages(
         Of a hand detector; an unknown one raises UnknownNameError.
     max_hands : int
         Hands that are followed.
-    apart : bool
+    separate : bool
         Whether each camera names its own hands; else they are fused: one id in all cameras.
     cameras : int
         How many there are.
@@ -149,7 +149,7 @@ def hand_stages(
     fused = HandIds(config, cameras > 1)
 
     def new_stage() -> HandStage:
-        return HandStage(new_detector(), HandIds(config, False) if apart else fused, apart)
+        return HandStage(new_detector(), HandIds(config, False) if separate else fused, separate)
 
     return new_stage
 

@@ -28,7 +28,7 @@ from igrip.perception.registration.fit import PoseFit, SearchContext, misfit, re
 from igrip.perception.registration.plane import Plane, find_plane
 from igrip.perception.registration.search import find_objects, on_object
 from igrip.perception.registration.shape import Shape, shape_of
-from igrip.perception.registration.track import ObjectTrack
+from igrip.perception.registration.track import DepthTrack
 from igrip.perception.registration.view import DepthView, depth_view, measured_points
 from igrip.perception.transforms import inverse, object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
@@ -79,7 +79,7 @@ class _CameraState:
 
     plane: Plane | None = None
     world_from_table: Array = field(default_factory=lambda: np.eye(4))
-    tracks: dict[str, ObjectTrack] = field(default_factory=dict)
+    tracks: dict[str, DepthTrack] = field(default_factory=dict)
     gone: set[str] = field(default_factory=set)
     searched: float | None = None  # when objects were last looked for [s]
 
@@ -200,7 +200,7 @@ class DepthPoses:
             others = [other for name, other in found.items() if name != id] + known
             fit = self._confirmed(rough, others, context)
             if fit is not None:
-                camera.tracks[id] = ObjectTrack(fit, frame.t, fit.hidden)
+                camera.tracks[id] = DepthTrack(fit, frame.t, fit.hidden)
                 camera.gone.discard(id)
 
     def _confirmed(

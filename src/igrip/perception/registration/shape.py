@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +10,7 @@ import numpy as np
 import trimesh
 
 from igrip.compiled import cache_directory
+from igrip.objects.array_cache import read_arrays, sources_digest, write_arrays
 from igrip.objects.model import ObjectModel
 from igrip.objects.stable_poses import StablePoses, stable_poses
 from igrip.perception.registration.signed_distance import SignedDistanceField, signed_distance_field
@@ -48,8 +47,7 @@ class Shape(NamedTuple):
 
 def shape_of(model: ObjectModel) -> Shape:
     """Derive the shape of a model, or read it from the cache."""
-    here = Path(__file__).parents[2]
-    digest = hashlib.sha256(b"".join((here / name).read_bytes() for name in _DERIVED_BY))
+    digest = hashlib.sha256(sources_digest(_DERIVED_BY).encode())
     for array in (model.vertices, model.faces, model.centre, model.mesh_from_object):
         digest.update(np.ascontiguousarray(array).tobytes())
     path = cache_directory() / "shapes" / f"{digest.hexdigest()[:32]}.npz"
@@ -72,20 +70,22 @@ def _derive(model: ObjectModel) -> Shape:
 
 
 def _read(path: Path, model: ObjectModel) -> Shape | None:
-    try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            field = SignedDistanceField(stored["values"], stored["origin"], float(stored["cell"]))
-            return Shape(
-                model.name,
-                Surface(
-                    field, stored["points"], stored["normals"], stored["centre"],
-                    float(stored["radius"]),
-                ),
-                StablePoses(stored["rotations"], stored["heights"], stored["probabilities"]),
-                stored["axes"],
-            )  # fmt: skip
-    except Exception:  # absent, or damaged in any of the ways numpy's reader has no one error for
+    stored = read_arrays(path)
+    if stored is None:
         return None
+    try:
+        field = SignedDistanceField(stored["values"], stored["origin"], float(stored["cell"]))
+        return Shape(
+            model.name,
+            Surface(
+                field, stored["points"], stored["normals"], stored["centre"],
+                float(stored["radius"]),
+            ),
+            StablePoses(stored["rotations"], stored["heights"], stored["probabilities"]),
+            stored["axes"],
+        )  # fmt: skip
+    except (KeyError, TypeError):
+        return None  # it is derived again
 
 
 def _write(path: Path, shape: Shape) -> None:
@@ -94,11 +94,4 @@ def _write(path: Path, shape: Shape) -> None:
         **shape.stable_poses._asdict(), "axes": shape.axes,
     }  # fmt: skip
     del arrays["field"]
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **arrays)
-        os.replace(temporary, path)  # whole or not at all
-    except OSError:
-        return  # a cache that cannot be written is only slow
+    write_arrays(path, arrays)

@@ -35,7 +35,7 @@ CLEARLY = 0.02  # of two fits the first is kept unless the agreement of the othe
 
 
 @dataclass(frozen=True, eq=False)
-class ObjectTrack:
+class DepthTrack:
     """An object that was found."""
 
     fit: PoseFit  # where it is, in the frame of the table
@@ -45,7 +45,7 @@ class ObjectTrack:
     gone_for: int = 0  # frames in a row in which it seemed gone
     velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
 
-    def update(self, view: DepthView, t: float) -> ObjectTrack:
+    def update(self, view: DepthView, t: float) -> DepthTrack:
         """Return the track after a frame of time ``t`` [s]."""
         here = rated(self.fit, view)
         agrees = _agrees(here)
@@ -65,7 +65,7 @@ class ObjectTrack:
             return replace(self, state=state, gone_for=gone_for)
         return replace(self, state="hidden", gone_for=0)
 
-    def _visible(self, fit: PoseFit, t: float) -> ObjectTrack:
+    def _visible(self, fit: PoseFit, t: float) -> DepthTrack:
         return replace(self, fit=fit, t=t, state="visible", gone_for=0)
 
     def _best_fit(self, here: PoseFit, view: DepthView, t: float) -> PoseFit | None:

@@ -58,7 +58,7 @@ def local_depths(depth, stride, nearest, farthest, out):
 
 
 @kernel
-def _hides_itself(values, origin, cell, x, y, z, dx, dy, dz, far, gradient):
+def _is_self_occluded(values, origin, cell, x, y, z, dx, dy, dz, far, gradient):
     """Whether a mesh is between a point on it and the camera in this direction (unit vector)."""
     s = CLEAR + 0.5 * cell
     while s < far:
@@ -100,7 +100,7 @@ def compare_with_depth(view, pose, surface):
         weight = dx * normals[n, 0] + dy * normals[n, 1] + dz * normals[n, 2]
         if weight < MIN_COSINE:
             continue
-        if _hides_itself(values, origin, cell, sx, sy, sz, dx, dy, dz, far, g):
+        if _is_self_occluded(values, origin, cell, sx, sy, sz, dx, dy, dz, far, g):
             continue
         total += weight
         x, y, z = rotate(rotation, sx, sy, sz)

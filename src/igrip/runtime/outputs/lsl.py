@@ -13,6 +13,7 @@ from typing import Any
 
 from igrip.errors import requires_extra
 from igrip.intention import Intention
+from igrip.io.hand_ids import match_hand
 from igrip.runtime.envelope import Envelope
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import Options
@@ -43,10 +44,12 @@ class LslOutput:
         self._name, self._hands = options.stream_name, options.hands
         self._numbers = {hand: [math.nan, math.nan, math.nan, 0.0] for hand in self._hands}
         self._last_markers: dict[str, str] = {}
+        self._known: dict[str, str | None] = {}  # hands by the ids of intentions
         self._sent = 0
 
     def start(self, loop: Loop) -> None:
         """Open both outlets."""
+        self._warn = loop.warn
         self._markers = pylsl.StreamOutlet(_markers(self._name, loop.session))
         self._signal = pylsl.StreamOutlet(_signal(self._name, loop.session, self._hands))
 
@@ -63,11 +66,26 @@ class LslOutput:
             if len(self._last_markers) > MAX_REMEMBERED:
                 del self._last_markers[next(iter(self._last_markers))]
             self._markers.push_sample([marker], arrived)
-        if intention.hand in self._numbers:
-            self._numbers[intention.hand] = numbers_of(intention, message["valid_for"])
+        hand = self._channels_of(intention.hand)
+        if hand is not None:
+            self._numbers[hand] = numbers_of(intention, message["valid_for"])
             flat = [x for hand in self._hands for x in self._numbers[hand]]
             self._signal.push_sample(flat, arrived)
         self._sent += 1
+
+    def _channels_of(self, hand: str) -> str | None:
+        """Return the hand whose channels are those of an id, in whatever spelling; None: none."""
+        if hand not in self._known:
+            if len(self._known) >= MAX_REMEMBERED:
+                del self._known[next(iter(self._known))]
+            own = match_hand(hand, self._hands)
+            if own == hand:  # two ids must not share channels
+                self._known = {id: None if to == own else to for id, to in self._known.items()}
+            self._known[hand] = None if own in self._known.values() else own
+            if self._known[hand] is None:
+                ids = ", ".join(self._hands)
+                self._warn(f"lsl: hand {hand!r:.60} has no channels; there are those of {ids}")
+        return self._known[hand]
 
     def counts(self) -> dict[str, int]:
         """Return how many intentions were pushed."""

@@ -4,7 +4,7 @@ Cosmic Ray makes the mutants; a random sample of them runs here, each in a forke
 the tests of its package, with kernels in Python. From the root of the repository::
 
     pip install cosmic-ray==8.7.0
-    PYTHONPATH=src python tests/mutants.py src/igrip/motion/*.py --sample 40 --seed 1
+    PYTHONPATH=src python tests/mutation_testing.py src/igrip/motion/*.py --sample 40 --seed 1
 
 Nothing on disk is changed. A mutant that fails a test or takes too long is killed; survivors are
 printed as changed lines.
