@@ -4,35 +4,23 @@ import pytest
 
 from igrip.io.hand_ids import is_hand, match_hand, side_of
 
+RIGHT = [
+    "right", "Right", "RIGHT", "R", "r", "right_hand", "Right Hand", "RightHand", "rightHand",
+    "hand_right", "hand-R", "hand.right", "hand.R", "rh", "RWrist", "rWrist", "R_wrist",
+    "right-palm", "R_INDEX", "righthand2", "RFIN",
+]  # fmt: skip
+NO_SIDE = ["mug", "hand", "bright", "brighter", "right_left", "left_right", "LR", "0", "mirror",
+           "hand_0", "bottle right", ""]  # fmt: skip
 
-@pytest.mark.parametrize(
-    "name",
-    ["right", "rightHand", "hand-R", "R_wrist", "hand.right", "Right", "RIGHT", "R", "r", "right_hand", "Right Hand", "RightHand", "hand_right",
-     "hand.R", "rh", "RWrist", "rWrist", "right-palm", "R_INDEX", "righthand2"],
-)  # fmt: skip
+
+@pytest.mark.parametrize("name", RIGHT)
 def test_right_hands(name):
     assert side_of(name) == "right"
     assert is_hand(name)
     assert match_hand(name, ["left", "right"]) == "right"
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "mug",
-        "hand",
-        "bright",
-        "right_left",
-        "0",
-        "mirror",
-        "brighter",
-        "hand_0",
-        "bottle right",
-        "",
-        "LR",
-        "left_right",
-    ][:7],
-)
+@pytest.mark.parametrize("name", NO_SIDE)
 def test_names_without_a_side(name):
     assert side_of(name) is None
     assert match_hand(name, ["left", "right"]) is None

@@ -125,8 +125,6 @@ def count(few: int) -> list:
 @pytest.mark.parametrize("rounds", count(60))
 @pytest.mark.parametrize("kind", TABLES)
 def test_tables(tmp_path, catalog, kind, rounds):
-    if kind == "c3d":
-        pytest.importorskip("ezc3d", reason="the extra 'c3d' is not installed")
     good = tmp_path / "good"
     good.mkdir()
     TABLES[kind](good)

@@ -129,8 +129,6 @@ def expected(tmp_path_factory):
 
 @pytest.mark.parametrize("system", EXPORTS)
 def test_the_same_evaluation(tmp_path, expected, system):
-    if system == "c3d":
-        pytest.importorskip("ezc3d", reason="the extra 'c3d' is not installed")
     folder = tmp_path / "export"
     folder.mkdir()
     lines = ["trial\tparticipant\thand\ttarget"]

@@ -200,7 +200,6 @@ def test_bids_without_its_channels_or_with_too_few(tmp_path):
 
 
 def test_c3d_that_is_cut(tmp_path):
-    pytest.importorskip("ezc3d", reason="the extra 'c3d' is not installed")
     path = mocap.c3d(tmp_path / "t.c3d", MARKERS)
     path.write_bytes(path.read_bytes()[:-900])
     with pytest.raises(DatasetError, match=r"t\.c3d: is cut off"):
