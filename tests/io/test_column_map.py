@@ -1,14 +1,17 @@
 """Tables of a layout of one's own, read by a map of columns."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from igrip import load_objects
 from igrip.errors import DatasetError
-from igrip.io.column_map import ColumnMapImporter, read_column_map
+from igrip.io.column_map import read_column_map
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import ImportFiles
+from igrip.io.mapped_import import ColumnMapImporter
 from igrip.io.recordings.jsonl import JsonlReader
 from igrip.io.resampling import ImportOptions
 
@@ -115,8 +118,14 @@ def test_what_is_wrong_is_named(tmp_path, old, new, words):
 
 
 def test_a_missing_column_of_the_trials_leaves_each_out_by_name(tmp_path):
-    _, problems = imported(write(tmp_path, MAP.replace('"who"', '"whom"')), tmp_path / "out")
+    folder = write(tmp_path, MAP.replace('"who"', '"whom"'))
+    importer, problems = ColumnMapImporter(read_column_map(folder / "map.toml")), []
+    reaches = importer.reaches(ImportFiles([folder]))
+    with pytest.raises(DatasetError, match=r"nothing could be imported: .*no column 'whom'"):
+        import_dataset(importer, reaches, tmp_path / "out", load_objects("ycb"), ImportOptions(),
+                       ["ycb"], problems)  # fmt: skip
     assert all("no column 'whom'" in p for p in problems[:2])
+    assert not (tmp_path / "out").exists()
 
 
 def test_one_table_a_trial(tmp_path):
@@ -152,3 +161,11 @@ def test_a_trial_in_two_tables_is_refused(tmp_path):
     (tmp_path / "takes_again.csv").write_bytes((tmp_path / "takes.csv").read_bytes())
     with pytest.raises(DatasetError, match="is in two tables"):
         imported(tmp_path, tmp_path / "out")
+
+
+def test_the_map_in_the_documentation_is_valid(tmp_path):
+    text = (Path(__file__).parents[2] / "docs" / "importing.md").read_text()
+    (tmp_path / "map.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    columns = read_column_map(tmp_path / "map.toml")
+    assert columns.declared.missing == ("lost", "-1.0")
+    assert columns.objects["mug"].body == "Mug"

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from igrip.errors import DatasetError
-from igrip.io.tables import read_tables
+from igrip.io.table_files import read_tables
 
 pytest.importorskip("pandas", reason="the extra 'tables' is not installed")
 

@@ -8,7 +8,8 @@ import trimesh
 
 from igrip import Catalog, IgripError, load_objects
 from igrip.errors import MeshUnitError, ObjectsError
-from igrip.objects.mesh_files import MeshOptions, folder_meshes, parse_primitive, ycb_meshes
+from igrip.objects.mesh_files import MeshOptions, parse_primitive
+from igrip.objects.mesh_folder import folder_meshes, ycb_meshes
 from support import PAPER
 
 SIZE = np.array([0.05, 0.08, 0.2])
@@ -145,14 +146,17 @@ def test_a_table_that_is_no_text(tmp_path):
         load_objects(tmp_path)
 
 
-def test_two_files_of_one_name(tmp_path):
-    write(tmp_path, "bottle.ply")
+def test_two_files_of_one_object(tmp_path):
     write(tmp_path, "bottle.stl")
-    with pytest.raises(ObjectsError, match="one name"):
-        load_objects(tmp_path)
+    write(tmp_path, "bottle.ply")
+    [mesh] = folder_meshes(tmp_path)
+    assert (mesh.name, mesh.path.name) == ("bottle", "bottle.ply")
     (tmp_path / "objects.toml").write_text('[bottle]\nunit = "m"')
-    with pytest.raises(ObjectsError, match=r"bottle\.ply, bottle\.stl"):
-        load_objects(tmp_path)
+    [mesh] = folder_meshes(tmp_path)
+    assert (mesh.path.name, mesh.options.unit) == ("bottle.ply", "m")
+    (tmp_path / "objects.toml").write_text('[bottle]\nfile = "bottle.stl"')
+    [mesh] = folder_meshes(tmp_path)
+    assert mesh.path.name == "bottle.stl"
 
 
 def test_one_name_in_two_folders(tmp_path):

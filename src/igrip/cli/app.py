@@ -25,6 +25,7 @@ COMMANDS = {
     "calibrate": "Find where cameras stand from a board of AprilTags that lies still where all of "
     "them see it.",
     "import": "Turn motion-capture tables into a dataset.",
+    "check": "Check a dataset: every trial, its recording, hand, target and models.",
     "bench": "Measure the speed of the estimator on this machine.",
     "doctor": "Show what is installed and whether the core works.",
     "grips": "Show from which height on each object is pinched.",

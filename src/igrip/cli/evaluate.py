@@ -73,7 +73,11 @@ def evaluate(
     if trial in {row["recording"] for row in summary["excluded"]}:
         warn(f"{trial} was excluded, so its time courses are not drawn")
     _print(summary, out, as_json)
-    if strict and summary["excluded"]:
+    excluded = summary["excluded"]
+    nothing = len({row["recording"] for row in excluded}) == len(chosen)
+    if nothing:
+        warn(f"no trial could be scored; next: igrip check {dataset}")
+    if nothing or (strict and excluded):
         raise typer.Exit(1)
 
 

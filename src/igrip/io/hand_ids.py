@@ -1,37 +1,75 @@
-"""The ids of hands in the spellings of other programs."""
+"""Hand ids in other spellings: ``Right``, ``R``, ``right_hand``, ``hand_0``."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection
+from typing import Literal
 
-SIDES = {
-    "right": "right", "r": "right", "rh": "right", "left": "left", "l": "left", "lh": "left",
+Side = Literal["left", "right"]
+
+_SIDES: dict[str, Side] = {
+    "r": "right", "right": "right", "rh": "right", "rt": "right",
+    "l": "left", "left": "left", "lh": "left", "lt": "left",
 }  # fmt: skip
-_FILLERS = {"hand", "palm", "wrist", "the", "tracker", "marker"}
+_PARTS = frozenset({
+    "hand", "palm", "wrist", "fist", "glove", "index", "finger", "fingertip", "thumb", "knuckle",
+    "controller", "marker", "tip",
+    "fin", "wra", "wrb",  # the hand and the wrist of Plug-in Gait
+})  # fmt: skip
+
+_HAND_WORDS = _PARTS - {"marker", "tip", "index", "controller"}
+
+_JOINED = re.compile(r"(right|left|r|l)(hand|palm|wrist|index|thumb|finger|fin|wra|wrb)")
 
 
-def side_of(id: str) -> str | None:
-    """Return ``right`` or ``left`` for a spelling of it (``R``, ``right_hand``, ``RightHand``).
+def side_of(name: str) -> Side | None:
+    """Return the side of a hand by its name; None where the name has none.
 
-    None where it shows no side, as ``hand_0``.
+    Examples
+    --------
+    >>> [side_of(name) for name in ("Right", "L", "RightHand", "hand_l", "rWrist", "mug")]
+    ['right', 'left', 'right', 'left', 'right', None]
     """
-    words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", id)
-    sides = {SIDES.get(word.lower()) for word in words if word.lower() not in _FILLERS}
-    return sides.pop() if len(sides) == 1 else None
+    words = _words(name)
+    sides = {_SIDES[word] for word in words if word in _SIDES}
+    rest = [word for word in words if word not in _SIDES and not word.isdigit()]
+    if len(sides) == 1 and all(word in _PARTS for word in rest):
+        return sides.pop()
+    return None
 
 
-def is_hand(id: str) -> bool:
-    """Whether an id is that of a hand: it shows a side, or holds the word."""
-    return side_of(id) is not None or "hand" in id.lower()
+def is_hand(name: str) -> bool:
+    """Return whether a name is that of a hand or a part of it."""
+    return side_of(name) is not None or any(word in _HAND_WORDS for word in _words(name))
 
 
-def match_hand(id: str, choices: Iterable[str]) -> str | None:
-    """Return the one of ``choices`` that an id means; None: none, or more than one."""
-    known = list(choices)
-    if id in known:
-        return id
-    same = [choice for choice in known if choice.lower() == id.lower()]
-    side = side_of(id)
-    same = same or [choice for choice in known if side is not None and side_of(choice) == side]
+def match_hand(name: str, known: Collection[str]) -> str | None:
+    """Return the one of the known ids that a name stands for; None where none or several do.
+
+    The same id first, then one that differs by case alone, then one of the same side.
+
+    Examples
+    --------
+    >>> match_hand("Right", ["left", "right"]), match_hand("hand_0", ["left", "right"])
+    ('right', None)
+    """
+    if name in known:
+        return name
+    alike = [id for id in known if _words(id) == _words(name)]
+    if len(alike) == 1:
+        return alike[0]
+    side = side_of(name)
+    same = [id for id in known if side is not None and side_of(id) == side]
     return same[0] if len(same) == 1 else None
+
+
+def _words(name: str) -> list[str]:
+    """Return the words of a name in lower case: ``RightHand_2`` is right, hand, 2."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z0-9])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
+    words = [word.lower() for word in re.findall(r"[^\W\d_]+|\d+", apart)]
+    joined: list[str] = []
+    for word in words:  # "righthand", "lwrist"
+        match = _JOINED.fullmatch(word)
+        joined += list(match.groups()) if match else [word]
+    return joined

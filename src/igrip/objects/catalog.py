@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import logging
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from igrip.compiled import cache_directory
-from igrip.errors import ObjectsError, UnknownModelError
+from igrip.errors import MeshUnitError, ObjectsError, UnknownModelError
 from igrip.mesh.bvh import Bvh
 from igrip.objects.array_cache import read_arrays, sources_digest, write_arrays
-from igrip.objects.mesh_files import (
-    MeshFile,
-    Primitive,
-    folder_meshes,
-    parse_primitive,
-    ycb_meshes,
-)
+from igrip.objects.mesh_files import MeshFile, Primitive, parse_primitive
+from igrip.objects.mesh_folder import folder_meshes, normal, ycb_meshes
 from igrip.objects.model import ObjectModel, build_model
+
+log = logging.getLogger(__name__)
 
 YCB = "ycb"
 PAPER_OBJECTS = (
     "003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser",
 )  # fmt: skip
 _CACHED_BY = (
-    "objects/model.py", "objects/mesh_files.py", "mesh/bvh.py", "mesh/inscribed_spheres.py",
-    "mesh/ray.py", "mesh/nearest.py",
+    "objects/model.py", "objects/mesh_files.py", "objects/stray_bodies.py", "mesh/bvh.py",
+    "mesh/inscribed_spheres.py", "mesh/ray.py", "mesh/nearest.py",
 )  # fmt: skip
 
 
@@ -50,11 +48,21 @@ class Catalog(Mapping[str, ObjectModel]):
                 self._add(mesh)
 
     def _add(self, mesh: MeshFile | Primitive) -> None:
-        for name in (mesh.name, *mesh.options.alias):
+        for name in (mesh.name, *map(normal, mesh.options.alias)):
             if self._meshes.get(self._aliases.get(name, name), mesh) != mesh:
                 raise ObjectsError(f"two objects are named {name!r}")
             self._aliases[name] = mesh.name
         self._meshes[mesh.name] = mesh
+
+    def is_described(self, name: str) -> bool:
+        """Return whether a table or the user names this model, so that it is not left out."""
+        mesh = self._meshes[name]
+        return not isinstance(mesh, MeshFile) or mesh.described
+
+    def leave_out(self, name: str) -> None:
+        """Remove a model whose file cannot be used."""
+        del self._meshes[name]
+        self._aliases = {alias: own for alias, own in self._aliases.items() if own != name}
 
     def __getitem__(self, name: str) -> ObjectModel:
         """Return a model by name or alias.
@@ -67,7 +75,7 @@ class Catalog(Mapping[str, ObjectModel]):
             If its file cannot be used.
         """
         try:
-            own = self._aliases[name]
+            own = self._aliases[name if name in self._aliases else normal(name)]
         except (KeyError, TypeError):
             raise UnknownModelError(f"the catalogue has no model {name!r:.80}") from None
         if own not in self._models:
@@ -81,7 +89,7 @@ class Catalog(Mapping[str, ObjectModel]):
         return len(self._meshes)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._aliases
+        return name in self._aliases or (isinstance(name, str) and normal(name) in self._aliases)
 
     def __reduce__(self) -> tuple[Any, tuple[str | Path, ...]]:
         return Catalog, self._sources
@@ -103,7 +111,8 @@ def load_objects(*sources: str | Path) -> Catalog:
     Raises
     ------
     ObjectsError
-        If a source does not exist, cannot be read, or two objects share a name.
+        If a source does not exist, holds nothing that can be read, or two objects share a name. A
+        file of a folder that cannot be read and that no table names is left out, with a warning.
     MeshUnitError
         If a mesh of a folder is plainly not in metres; the message says how to declare its unit.
 
@@ -117,9 +126,28 @@ def load_objects(*sources: str | Path) -> Catalog:
     catalog = Catalog(*sources)
     for source in sources:
         if _is_folder(source):  # a wrong unit or file raises here, not in mid-reach
-            for mesh in _meshes_of(source):
-                catalog[mesh.name]
+            _load_folder(catalog, source)
     return catalog
+
+
+def _load_folder(catalog: Catalog, source: str | Path) -> None:
+    """Load all models of a folder, and leave out those whose files are damaged."""
+    names = [mesh.name for mesh in _meshes_of(source) if mesh.name in catalog]
+    problems: dict[str, ObjectsError] = {}
+    for name in names:
+        try:
+            catalog[name]
+        except MeshUnitError:
+            raise
+        except ObjectsError as error:
+            if catalog.is_described(name):
+                raise
+            problems[name] = error
+    if names and len(problems) == len(names):
+        raise next(iter(problems.values()))
+    for name, problem in problems.items():
+        log.warning("left out: %s", problem)
+        catalog.leave_out(name)
 
 
 def _is_folder(source: str | Path) -> bool:
@@ -150,15 +178,24 @@ def _load(mesh: MeshFile | Primitive) -> ObjectModel:
     path = cache_directory() / "models" / f"{sources_digest(_CACHED_BY)[:8]}-{digest[:32]}.npz"
     cached = _read_cache(path, mesh)
     if cached is not None:
-        return cached
+        model, remarks = cached
+        _warn(remarks)
+        return model
     axis = mesh.options.axis
     if axis is not None and not np.linalg.norm(axis) > 1e-9:
         raise ObjectsError(f"{mesh.name}: its axis has no direction")
     model = build_model(
         mesh.name, mesh.read(), mesh.options.symmetry, None if axis is None else np.array(axis)
     )
-    _write_cache(path, model)
+    remarks = mesh.remarks if isinstance(mesh, MeshFile) else []
+    _write_cache(path, model, remarks)
+    _warn(remarks)
     return model
+
+
+def _warn(remarks: Sequence[str]) -> None:
+    for remark in remarks:
+        log.warning(remark)
 
 
 _TREES = ("bvh", "vertex_tree")
@@ -166,7 +203,8 @@ _SCALARS = ("length", "radius")
 _ARRAYS = ("vertices", "faces", "centre", "mesh_from_object", "sphere", "inscribed_spheres")
 
 
-def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:
+def _read_cache(path: Path, mesh: MeshFile | Primitive) -> tuple[ObjectModel, list[str]] | None:
+    """Return a model and what was odd about its file; None where the cache has no whole one."""
     stored = read_arrays(path)
     if stored is None:
         return None
@@ -175,13 +213,15 @@ def _read_cache(path: Path, mesh: MeshFile | Primitive) -> ObjectModel | None:
         fields.update({name: float(stored[name]) for name in _SCALARS})
         for tree in _TREES:
             fields[tree] = Bvh(*(stored[f"{tree}_{name}"] for name in Bvh._fields))
+        remarks = [str(remark) for remark in stored["remarks"]]
     except (KeyError, TypeError):
         return None  # it is built again
-    return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, **fields)
+    return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, **fields), remarks
 
 
-def _write_cache(path: Path, model: ObjectModel) -> None:
+def _write_cache(path: Path, model: ObjectModel, remarks: Sequence[str]) -> None:
     arrays: dict[str, Any] = {name: getattr(model, name) for name in (*_ARRAYS, *_SCALARS)}
+    arrays["remarks"] = np.array(remarks, dtype=str)
     for tree in _TREES:
         parts = getattr(model, tree)._asdict()
         arrays.update({f"{tree}_{name}": array for name, array in parts.items()})

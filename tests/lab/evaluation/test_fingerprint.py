@@ -9,7 +9,7 @@ from igrip import Config
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation import fingerprint as module
 from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
-from igrip.objects import mesh_files
+from igrip.objects import mesh_folder
 
 CONFIGS = (Config(targets="paper"),)
 
@@ -90,7 +90,7 @@ def test_a_mesh_and_what_is_declared_of_it(small_dataset, package, meshes):
 
 
 def test_the_meshes_of_the_ycb_set(small_dataset, package, meshes, monkeypatch):
-    meshes_of_set = mesh_files.folder_meshes(meshes)
+    meshes_of_set = mesh_folder.folder_meshes(meshes)
     monkeypatch.setattr(module, "ycb_meshes", lambda: meshes_of_set)
     before = fingerprint(small_dataset, CONFIGS, ("ycb",))
     trimesh.creation.box((0.05, 0.05, 0.2)).export(meshes / "a.stl")

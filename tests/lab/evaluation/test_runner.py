@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from igrip import Config, Estimator, load_objects
+from igrip.io.datasets import dataset as dataset_module
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings import open_source
 from igrip.lab.evaluation import runner
@@ -123,7 +124,7 @@ def test_an_odd_recording_ends_only_itself(small_dataset, catalog, monkeypatch):
     def broken(path):
         raise RuntimeError("of a kind that nobody foresaw")
 
-    monkeypatch.setattr(runner, "open_source", broken)
+    monkeypatch.setattr(dataset_module, "open_source", broken)
     run = run_trial(small_dataset, small_dataset.trials[0], catalog, CONFIGS)
     assert run.problem == "cannot be evaluated: RuntimeError('of a kind that nobody foresaw')"
 

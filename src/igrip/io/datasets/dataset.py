@@ -7,20 +7,29 @@ import json
 import os
 import shutil
 import tempfile
+import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from igrip.errors import DatasetError, RecordingError
-from igrip.io.datasets.trial import COLUMNS, Trial, read_trials
-from igrip.io.recordings import SOURCES
+from igrip.io.cells.values import known_text
+from igrip.io.column_names import near_miss, shortened
+from igrip.io.datasets.trial import COLUMNS, Trial, read_rows, read_trials, recording_name
+from igrip.io.frames import DeclaredFrame, FrameError
+from igrip.io.hand_ids import match_hand
+from igrip.io.recordings import SOURCES, Source, open_source
 from igrip.io.recordings.jsonl import JsonlWriter
+from igrip.io.text import TextError, read_text
 from igrip.observation import Observation
 
 __all__ = ["Dataset", "DatasetWriter", "Trial"]
 
 FORMAT = "igrip-dataset/1"
+HEAD = 300  # messages in which a trial's hand should appear
 
 
 @dataclass(frozen=True)
@@ -83,20 +92,76 @@ class Dataset:
         RecordingError
             If there is none.
         """
-        _check_name(trial.recording)
+        name = recording_name(trial.recording)
+        _check_name(name)
+        folder = self.path / "recordings"
         for ending in SOURCES.names():
-            path = self.path / "recordings" / f"{trial.recording}.{ending}"
+            path = folder / f"{name}.{ending}"
             if path.is_file():
                 return path
-        raise RecordingError(f"{self.path / 'recordings'}: no recording {trial.recording!r}")
+        there = self.recordings()
+        alike = [path for path in there if _alike(path.stem, name)]
+        if len(alike) == 1:
+            return alike[0]
+        names = [path.stem for path in there]
+        raise RecordingError(
+            f"{folder}: no recording {name!r}{near_miss(name, names)}; found "
+            f"{shortened(names, 5) or 'none'}"
+        )
+
+    def recordings(self) -> list[Path]:
+        """Return the files of all recordings, also of those that no trial names."""
+        folder, endings = self.path / "recordings", SOURCES.names()
+        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        return [path for path in inside if path.suffix.lower().lstrip(".") in endings]
+
+    @cached_property
+    def frame(self) -> DeclaredFrame:
+        """The frame that ``dataset.json`` declares for the recordings; by default igrip's own.
+
+        Raises
+        ------
+        DatasetError
+            If it makes no frame.
+        """
+        declared = self.description.get("frame", {})
+        try:
+            return DeclaredFrame.declare(**declared)
+        except (FrameError, TypeError, AttributeError) as error:
+            raise DatasetError(f"{self.path / 'dataset.json'}: frame: {error}") from None
+
+    def observations(self, trial: Trial) -> Source:
+        """Open a trial's recording; its observations are in igrip's frame.
+
+        Raises
+        ------
+        RecordingError
+            If there is none.
+        """
+        return open_source(self.recording(trial), self.frame)
+
+    def with_hand(self, trial: Trial) -> Trial:
+        """Return the trial with its hand's id as the recording has it (``Right`` is ``right``)."""
+        if trial.hand is None:
+            return trial
+        seen: set[str] = set()
+        try:
+            for observation in islice(self.observations(trial), HEAD):
+                seen.update(observation.hands)
+                if trial.hand in seen:
+                    return trial
+        except RecordingError:  # whoever reads it whole will name the place
+            pass
+        return replace(trial, hand=match_hand(trial.hand, sorted(seen)) or trial.hand)
 
     def participants_without_trials(self) -> list[str]:
         """Return the participants that have a row in their table, but no trial."""
         try:
-            with (self.path / "participants.tsv").open(encoding="utf-8-sig", newline="") as file:
-                named = [row.get("participant") for row in csv.DictReader(file, delimiter="\t")]
-        except (OSError, UnicodeDecodeError, csv.Error):
+            header, rows = read_rows(self.path / "participants.tsv")
+            column = [name.lower().removesuffix("_id") for name in header].index("participant")
+        except (DatasetError, ValueError):
             return []  # the table is optional
+        named = [known_text(cells[column]) for _, cells in rows if column < len(cells)]
         present = {trial.participant for trial in self.trials}
         if present <= {None}:
             return []  # the trials have no column of participants
@@ -149,9 +214,14 @@ class DatasetWriter:
         _check_name(trial.recording)
         if (self.path / "recordings" / f"{trial.recording}.jsonl").exists():
             raise DatasetError(f"two recordings are named {trial.recording!r}")
-        with JsonlWriter(self.path / "recordings" / f"{trial.recording}.jsonl") as file:
-            for observation in observations:
-                file.write(observation)
+        path = self.path / "recordings" / f"{trial.recording}.jsonl"
+        try:
+            with JsonlWriter(path) as file:
+                for observation in observations:
+                    file.write(observation)
+        except BaseException:
+            path.unlink(missing_ok=True)  # the trial is not added
+            raise
         self._trials.append(trial)
 
     def close(self, participants: Mapping[str, Mapping[str, str]] | None = None) -> Dataset:
@@ -191,6 +261,12 @@ def _check_name(name: str) -> None:
         raise DatasetError(f"a recording cannot be named {name!r:.80}")
 
 
+def _alike(one: str, other: str) -> bool:
+    """Return whether two names differ by case or Unicode's normal form alone."""
+    forms = [unicodedata.normalize("NFC", name).casefold() for name in (one, other)]
+    return forms[0] == forms[1]
+
+
 def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(
@@ -202,9 +278,11 @@ def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str,
 
 def _read_description(path: Path) -> Mapping[str, Any]:
     try:
-        description = json.loads(path.read_text(encoding="utf-8-sig"))
+        description = json.loads(read_text(path))
     except FileNotFoundError:
         raise DatasetError(f"{path.parent}: is no dataset, it has no dataset.json") from None
+    except TextError as error:
+        raise DatasetError(str(error)) from error
     except (OSError, ValueError) as error:
         raise DatasetError(f"{path}: {error}") from error
     if not isinstance(description, dict) or description.get("format") != FORMAT:

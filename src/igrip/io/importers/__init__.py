@@ -6,82 +6,23 @@ and :mod:`igrip.io.import_dataset` writes them as a dataset.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from igrip.errors import DatasetError
-from igrip.io.tables import TABLE_ENDINGS, read_tables
+from igrip.io.recorded_reach import Array, MovingObject, RecordedReach
+from igrip.io.table_files import TABLE_ENDINGS, ending_of, read_tables
+from igrip.io.tables import Table
+from igrip.io.takes.files import find_take_files, open_file
 from igrip.registry import Registry
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class RecordedReach:
-    """One recorded movement of one hand towards one of several objects.
-
-    Attributes
-    ----------
-    name : str
-        Name of the recording.
-    participant, trial, hand, target : str
-        The person, the trial, the hand that moved, and the id of the object it moved to.
-    times : (n,)
-        Times of the samples [s], increasing; 0 at movement onset.
-    positions : (n, 3)
-        Positions of the hand [m].
-    object_positions : mapping of str to (3,)
-        Position of each object [m].
-    extra : mapping of str to str
-        Further columns of the table of trials.
-    grip, movement : str or None
-        Of the task.
-    models : mapping of str to str
-        Model of each object, where it is not that of the options.
-    movement_only : bool
-        Whether the samples hold the movement alone. If not, onset and end are left to the
-        evaluation, and no rest is added before them.
-
-    Raises
-    ------
-    DatasetError
-        If the times do not increase, a number is not finite, or the target has no position.
-    """
-
-    name: str
-    participant: str
-    trial: str
-    hand: str
-    target: str
-    times: Array
-    positions: Array
-    object_positions: Mapping[str, Array]
-    extra: Mapping[str, str] = field(default_factory=dict)
-    grip: str | None = None
-    movement: str | None = None
-    models: Mapping[str, str] = field(default_factory=dict)
-    movement_only: bool = True
-
-    def __post_init__(self) -> None:
-        finite = len(self.times) > 1 and np.isfinite(self.times).all()
-        if not finite or not (np.diff(self.times) > 0).all():
-            raise DatasetError(f"{self.name}: its times do not increase, or are fewer than two")
-        if not np.isfinite(self.positions).all():
-            raise DatasetError(f"{self.name}: has positions that are not finite")
-        if not all(np.isfinite(position).all() for position in self.object_positions.values()):
-            raise DatasetError(f"{self.name}: an object's position is not finite")
-        if self.target not in self.object_positions:
-            raise DatasetError(f"{self.name}: its target {self.target!r} has no position")
-
+__all__ = ["IMPORTERS", "Array", "ImportFiles", "Importer", "MovingObject", "ReachReader",
+           "RecordedReach", "find_importer"]  # fmt: skip
 
 ReachReader = Callable[[], RecordedReach]
 
@@ -96,9 +37,21 @@ class ImportFiles:
                 raise DatasetError(f"{path}: no such file or folder")
 
     @cached_property
+    def opened(self) -> dict[str, Table | Path | DatasetError]:
+        """Tables and C3D files by name, or the reason why one cannot be read."""
+        opened: dict[str, Table | Path | DatasetError] = {}
+        for name, path in find_take_files(self.paths).items():
+            try:
+                opened[name] = open_file(path)
+            except DatasetError as error:
+                opened[name] = error
+        return opened
+
+    @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
-        """The tables among the files by their stem; see :func:`igrip.io.tables.read_tables`."""
-        return read_tables(p for p in self.paths if p.is_dir() or p.suffix in TABLE_ENDINGS)
+        """The tables among the files as data frames, by their stem."""
+        tables = read_tables(p for p in self.paths if p.is_dir() or ending_of(p) in TABLE_ENDINGS)
+        return {name: table.frame() for name, table in tables.items()}
 
 
 class Importer(Protocol):
@@ -148,11 +101,25 @@ def find_importer(files: ImportFiles) -> Importer:
                 return importer
         except DatasetError as error:
             unreadable = error  # another importer may read it in its own way
-    if unreadable is not None:
-        raise unreadable
-    found = [f"{name}: {', '.join(map(str, t.columns))}" for name, t in files.tables.items()]
-    found += [str(path) for path in files.paths if path.suffix not in TABLE_ENDINGS]
     known = ", ".join(IMPORTERS.names())
-    raise DatasetError(
-        f"no importer recognises these files (known: {known}). Found {'; '.join(found)}"
+    ways = (
+        f"known are {known}; for any other table write a column map: igrip import --inspect FILE "
+        "--write-map map.toml, then --columns map.toml (docs/importing.md)"
     )
+    if unreadable is not None:
+        raise DatasetError(f"{unreadable}. {ways}") from unreadable
+    found = []
+    for name, source in files.opened.items():
+        if isinstance(source, DatasetError):
+            raise DatasetError(f"{source}. {ways}") from source
+        columns = source.columns if isinstance(source, Table) else ("C3D",)
+        found.append(f"{name}: {', '.join(columns[:12])}{', …' if len(columns) > 12 else ''}")
+    named = [path for path in files.paths if not path.is_dir()]
+    found += [str(path) for path in named if path not in _paths(files)]
+    raise DatasetError(
+        f"no importer recognises these files: {ways}. Found {'; '.join(found[:20]) or 'no table'}"
+    )
+
+
+def _paths(files: ImportFiles) -> set[Path]:
+    return set(find_take_files(files.paths).values())

@@ -10,7 +10,8 @@ from igrip.config import Config
 from igrip.errors import IgripError
 from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.objects.catalog import YCB
-from igrip.objects.mesh_files import MeshFile, folder_meshes, ycb_meshes
+from igrip.objects.mesh_files import MeshFile
+from igrip.objects.mesh_folder import folder_meshes, ycb_meshes
 from igrip.version import __version__
 
 PACKAGE = Path(__file__).parents[2]

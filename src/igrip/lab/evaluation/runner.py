@@ -17,7 +17,6 @@ from igrip.estimator import Estimator
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.io.recordings import open_source
 from igrip.lab.evaluation.commitments import MessageEvidence
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.objects.catalog import Catalog
@@ -88,7 +87,9 @@ def run_trial(
         return run
     first = run.estimators[0].estimator
     try:
-        reader = open_source(dataset.recording(trial))
+        trial = dataset.with_hand(trial)
+        run.recorded.trial = trial
+        reader = dataset.observations(trial)
         for observation in reader:
             if not run.recorded.times:
                 run.recorded.trial = trial = shift_trial(trial, getattr(reader, "shift", 0.0))

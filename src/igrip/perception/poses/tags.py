@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose, Quaternion, Vector
 from igrip.errors import IgripError
+from igrip.io.text import TextError, read_text
 from igrip.objects.catalog import Catalog
 from igrip.perception.poses import POSES
 from igrip.perception.poses._options import validated
@@ -218,8 +219,8 @@ def read_options(options: Mapping[str, Any]) -> TagsOptions:
     if isinstance(given.get("tags"), str | Path):
         path = Path(given.pop("tags"))
         try:
-            given = tomllib.loads(path.read_text("utf-8")) | given
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            given = tomllib.loads(read_text(path)) | given
+        except (OSError, TextError, tomllib.TOMLDecodeError) as error:
             raise IgripError(f"{path}: cannot be read: {error}") from error
     if not given.get("tags"):
         raise IgripError(
