@@ -109,6 +109,8 @@ def _replay_recording(
         print_recording(output, summary)
     for text in [*([cut] if cut else []), *remarks, *defects.lines()]:
         warn(text)
+    if not run.estimator.inputs()["hands"]:
+        raise RecordingError(f"{path}: no hand in {len(times)} messages, so nothing to answer")
 
 
 def _missing(run: EstimatorRun) -> list[str]:
@@ -116,9 +118,7 @@ def _missing(run: EstimatorRun) -> list[str]:
     inputs = run.estimator.inputs()
     remarks = [f"{id}: {state['reason']}" for id, state in inputs["objects"].items()
                if not state["known"]]  # fmt: skip
-    if not inputs["hands"]:
-        remarks.append("no hand was seen: there is nothing to answer")
-    elif not inputs["objects"]:
+    if inputs["hands"] and not inputs["objects"]:
         remarks.append("no object was seen: there is no target to choose")
     return remarks
 
