@@ -1,4 +1,8 @@
-"""The plausibility check of a stream or recording, on its first messages and now and then."""
+"""The plausibility check of a stream or recording, on its first messages and now and then.
+
+Units and frames do not change in mid-stream: data that were plausible once are never refused again,
+whatever faults make of them later.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ import numpy as np
 
 from igrip.entities import Hand, ObjectPose
 from igrip.io.frames import DeclaredFrame
-from igrip.io.plausibility import Finding, Samples, check_samples
+from igrip.io.plausibility import Finding, Samples, check_samples, refusal
 from igrip.observation import Observation
 
 MESSAGES = 64  # that are checked together
@@ -34,10 +38,12 @@ class FirstContact:
     def __init__(self, frame: DeclaredFrame | None = None) -> None:
         self._frame = frame or DeclaredFrame()
         self.findings: list[Finding] = []
+        self._was_plausible = False  # over as many messages as are checked together
         self._begin()
 
     def _begin(self) -> None:
         self._count = 0
+        self._times: list[float] = []
         self._hands: defaultdict[str, list[Row]] = defaultdict(list)
         self._objects: defaultdict[str, list[Row]] = defaultdict(list)
 
@@ -51,6 +57,7 @@ class FirstContact:
             for id, entity in entities.items():
                 if entity is not None:
                     rows[id].append(_row(message.t, entity))
+        self._times.append(message.t)
         self._count += 1
         if self._count not in EARLY and self._count < MESSAGES:
             return False
@@ -59,12 +66,17 @@ class FirstContact:
 
     def check(self) -> list[Finding]:
         """Check what was added, at most :data:`MESSAGES`; return the findings."""
-        self.findings = check_samples(
+        findings = check_samples(
             {id: _samples(rows) for id, rows in self._hands.items()},
             {id: _samples(rows) for id, rows in self._objects.items()},
-            self._frame.length_unit, self._frame.time_unit,
+            self._frame.length_unit, self._frame.time_unit, np.array(self._times),
         )  # fmt: skip
-        return self.findings
+        if self._was_plausible:
+            findings = [finding._replace(verdict="remark") for finding in findings]
+        elif self._count >= MESSAGES:
+            self._was_plausible = refusal(findings) is None
+        self.findings = findings
+        return findings
 
 
 def _row(t: float, entity: Hand | ObjectPose) -> Row:

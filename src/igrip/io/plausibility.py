@@ -78,8 +78,8 @@ class Samples:
 
 def options_that_fix(findings: Iterable[Finding]) -> str:
     """Return the options of a command line that would mend findings, such as ``--up y``."""
-    fixes = dict(finding.fix for finding in findings if finding.fix is not None)
-    return " ".join(f"--{word.replace('_', '-')} {value}" for word, value in fixes.items())
+    fixes = dict(f.fix for f in findings if f.fix is not None).items()
+    return " ".join(f"--{word.replace('_', '-')} {value}" for word, value in fixes)
 
 
 def refusal(findings: Iterable[Finding]) -> str | None:
@@ -93,13 +93,13 @@ def check_samples(
     objects: Mapping[str, Samples],
     length_unit: str = "m",
     time_unit: str = "s",
+    times: Array | None = None,
 ) -> list[Finding]:
-    """Check the measurements of a scene; the units are those that they were converted from."""
-    findings = []
-    times = [samples.times for samples in (*hands.values(), *objects.values())]
-    longest = max(times, key=len, default=np.empty(0))
-    findings += check_times(longest, time_unit)
+    """Check a scene, in units converted from those given; ``times`` (n,) [s]: of its messages."""
     scene = [*hands.items(), *objects.items()]
+    if times is None:
+        times = max((s.times for _, s in scene), key=len, default=np.empty(0))
+    findings = check_times(times, time_unit)
     findings += check_extents({id: s.positions for id, s in scene}, length_unit)
     for id, samples in hands.items():
         findings += _check_motion(id, samples, length_unit)
