@@ -7,9 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from datasets import write_small_dataset
 from igrip.cli.app import app
 
 INPUTS = Path(__file__).parents[3] / "shared" / "inputs"
@@ -147,3 +149,44 @@ def test_a_recording_without_messages_is_an_error(tmp_path):
     done = replay(tmp_path / "none.jsonl")
     assert done.exit_code
     assert "holds no messages" in str(done.exception)
+
+
+def test_a_hand_in_another_spelling_than_the_assisted_one_is_named(tmp_path):
+    messages = [m | {"hands": {"Right": m["hands"]["right"]}} for m in reach()]
+    done = stream(write(tmp_path / "right.jsonl", messages), "--assisted", "right")
+    assert done.returncode == 0
+    assert "hand 'Right' gets no commitment: --assisted Right" in done.stderr
+
+
+def test_what_a_stream_survives_an_evaluation_survives(tmp_path):
+    path = write_small_dataset(tmp_path / "small").path
+    whole = evaluate(path, tmp_path / "whole")
+    for recording in (path / "recordings").iterdir():
+        lines = [json.loads(line) for line in recording.read_text().splitlines()]
+        for k, line in enumerate(lines):
+            line["t"] -= 0.5  # counted from a trigger
+            if k % 20 == 7:
+                line["hands"]["left"] = {"position": [float("nan")] * 3}
+        texts = [json.dumps(line) for line in lines]
+        texts[10:10] = ["{", "no message"]
+        recording.write_text("\r\n".join(texts), encoding="utf-16")
+    table = path / "trials.tsv"
+    rows = [row.split("\t") for row in table.read_text().splitlines()]
+    for row in rows[1:]:
+        for name in ("onset_s", "end_s"):
+            at = rows[0].index(name)
+            row[at] = str(float(row[at]) - 0.5)
+    table.write_text("".join("\t".join(row) + "\n" for row in rows))
+    damaged = evaluate(path, tmp_path / "damaged")
+    for key in ("target", "success", "problem"):
+        assert [row[key] for row in damaged] == [row[key] for row in whole]
+    for row in damaged:
+        assert "hands.left: not seen" in row["remark"]
+        assert "messages: skipped 2 times, first in line 11" in row["remark"]
+
+
+def evaluate(path, out):
+    """Return the rows of an evaluation."""
+    done = CliRunner().invoke(app, ["evaluate", str(path), "--out", str(out), "--jobs", "1"])
+    assert done.exit_code == 0, done.output
+    return pd.read_parquet(out / "trials.parquet").to_dict("records")

@@ -69,7 +69,10 @@ def test_a_reader_that_goes_away_is_no_crash(tmp_path):
     ("option", "message"),
     [
         ("--reliability=2", "--reliability"),
-        ("--in=carrier-pigeon", "no input is named 'carrier-pigeon'; there are: stdin, ws"),
+        (
+            "--in=carrier-pigeon",
+            "no input is named 'carrier-pigeon'; there are: lsl, osc, stdin, ws",
+        ),
         ("--out=carrier-pigeon", "no output is named 'carrier-pigeon'; there are: lsl, stdout, ws"),
         ("--targets=nobody", "nobody"),
         ("--senders-clock", "--in stdin alone"),

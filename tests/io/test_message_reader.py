@@ -125,6 +125,20 @@ def test_times_below_zero_count_from_the_first():
     assert reader.shift == 0.5
 
 
+def test_one_time_below_zero_costs_itself_and_several_are_a_step():
+    reader = MessageReader()
+    read({"t": 5.0}, reader)
+    for t in (-1.0, -0.9):
+        with pytest.raises(ObservationError, match="before all times so far"):
+            read({"t": t}, reader)
+    assert read({"t": 5.1}, reader)[0].t == 5.1
+    for t in (-1.0, -0.9):
+        with pytest.raises(ObservationError):
+            read({"t": t}, reader)
+    assert read({"t": -0.8}, reader)[0].t == 0.0
+    assert read({"t": -0.7}, reader)[0].t == pytest.approx(0.1)
+
+
 def test_zeros_are_a_gap_for_a_hand_that_was_elsewhere():
     reader = MessageReader()
     positions = [[0.0, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.0], [0.3, 0.2, 0.1],

@@ -142,5 +142,7 @@ def test_an_object_may_stand_at_the_origin():
 def test_a_sender_that_repeats_itself_and_speeds_of_no_hand_are_remarked():
     repeated = Samples(TIMES, REACH[np.arange(60) // 4 * 4])
     assert [f.kind for f in check_samples({"right": repeated}, {})] == ["repeats"]
+    rests = Samples(np.arange(90) / 30.0, np.concatenate([np.tile(REACH[0], (60, 1)), REACH[:30]]))
+    assert check_samples({"right": rests}, {}) == []
     fast = Samples(TIMES / 1000.0, REACH)
     assert "speed" in [f.kind for f in check_samples({"right": fast}, {})]

@@ -14,6 +14,7 @@ from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.frames import DeclaredFrame
+from igrip.io.hand_ids import match_hand
 from igrip.objects.catalog import load_objects
 from igrip.runtime.clock_sync import ArrivalClock, SenderClock
 from igrip.runtime.inputs import INPUTS
@@ -96,13 +97,16 @@ def stream(
         outlets, piped, announce=lambda address: errors.print(address, soft_wrap=True), warn=warn,
     )  # fmt: skip
 
-    def stop_without_receivers(intentions: list[Intention]) -> None:
+    def after_update(intentions: list[Intention]) -> None:
+        for hand in {intention.hand for intention in intentions} - set(assisted or ()):
+            if assisted and match_hand(hand, assisted) is not None:
+                loop.warn(f"hand {hand!r:.60} gets no commitment: --assisted {hand:.60}")
         if loop.abandoned:
             raise BrokenPipeError
 
     try:
         with until_interrupted(), loop:
-            loop.run(stop_without_receivers)
+            loop.run(after_update)
     except BrokenPipeError:
         errors.print("nobody reads standard output any more")
     finally:

@@ -25,6 +25,7 @@ from igrip.observation import RESERVED_OBJECT_ID, SCHEMA, Observation
 ROUNDED_NORM = 0.02  # from 1 of a quaternion that was rounded to two decimals, at most
 ZERO_DISTANCE = 0.1  # m from 0 0 0; a thing that was farther away is not there but lost
 MAX_HANDS, MAX_OBJECTS, MAX_ID_LENGTH = 32, 512, 128
+BELOW_ZERO = 3  # messages in a row dated below zero that make a step of the clock
 MAX_REMEMBERED = 1024  # entities whose newest position is remembered
 
 _KINDS: Mapping[str, tuple[type[Any], int]] = {
@@ -76,6 +77,7 @@ class MessageReader:
     def __init__(self, frame: DeclaredFrame | None = None) -> None:
         self._frame = frame or DeclaredFrame()
         self.shift = 0.0
+        self._begun, self._below = False, 0  # messages in a row that are dated below zero
         self._places: dict[tuple[str, str], tuple[float, ...]] = {}
 
     def read(self, raw: Any) -> tuple[Observation, list[Defect]]:
@@ -95,6 +97,7 @@ class MessageReader:
                 pass
             else:
                 if not self._has_markers(observation):
+                    self._begun, self._below = True, 0
                     return observation, []
         return self._read_apart(raw)
 
@@ -141,10 +144,15 @@ class MessageReader:
         return observation.annotated(not_seen=lost) if lost else observation, defects
 
     def _time(self, t: float, defects: list[Defect]) -> float:
+        """Return a time that is not below zero: times may begin there, or step there for good."""
         t *= self._frame.seconds
-        if t + self.shift < 0.0:
-            self.shift = -t
+        self._below = self._below + 1 if t + self.shift < 0.0 else 0
+        if self._below and (not self._begun or self._below >= BELOW_ZERO):
+            self.shift, self._below = -t, 0
             defects.append(Defect("corrected", "t", f"is {t:.6g} s: times count from there"))
+        self._begun = True
+        if self._below:
+            raise ObservationError("t", f"is {t:.6g} s, before all times so far")
         return t + self.shift
 
     def _entities(self, part: str, raw: Any, defects: list[Defect]) -> dict[str, Any]:

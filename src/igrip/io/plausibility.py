@@ -1,9 +1,8 @@
 """A plausibility check on first contact: whether numbers mean what they are taken for.
 
 Data in millimetres, in milliseconds or in a world with y up are well-formed, and wrong. The check
-looks at intervals, extents, speeds, sizes and orientations, and names the unit or frame that would
-fit. The limits are wide: reaches span centimetres to metres at 0.1 to 10 m/s, and motion is sampled
-at 1 to 5,000 Hz.
+names the unit or frame that would fit. The limits are wide: reaches span centimetres to metres at
+0.1 to 10 m/s, and motion is sampled at 1 to 5,000 Hz.
 """
 
 from __future__ import annotations
@@ -32,6 +31,7 @@ MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 
 MESSAGES_PER_SAMPLE = 20
 MIN_SAMPLES = 5  # fewer show nothing
 REPEATED_SHARE = 0.5  # of positions that repeat the one before, bit for bit
+MAX_REPEATS = 8  # in a row; more are a rest
 ALIGNED = math.cos(math.radians(10.0))
 
 
@@ -147,10 +147,7 @@ def check_length(times: ArrayLike, rate: float) -> list[Finding]:
 
 
 def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[Finding]:
-    """Check how far things move and how far apart they are, by id (n, 3) [m].
-
-    ``unit`` is that of the source, which they were converted from.
-    """
+    """Check how far things move and are apart, by id (n, 3) [m], converted from ``unit``."""
     findings: list[Finding] = []
     everything = []
     for id, given in positions.items():
@@ -171,8 +168,7 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
         findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
     if findings or not everything:
         return findings
-    points = np.concatenate(everything)
-    span = float(np.max(np.ptp(points, axis=0)))
+    span = float(np.max(np.ptp(np.concatenate(everything), axis=0)))
     if len(everything) > 1 and 0.0 < span < MIN_EXTENT:
         fits = _fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
         text = f"the whole scene spans {_number(span)} m" + _question("are positions in", fits)
@@ -234,11 +230,11 @@ def _check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
     findings = []
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     intervals = np.diff(times)
-    repeated = float(np.mean(steps == 0.0))
-    if REPEATED_SHARE <= repeated < 1.0:
+    repeated = _repeated_share(steps == 0.0)
+    if repeated >= REPEATED_SHARE:
         text = (
-            f"{repeated:.0%} of the positions of {id} repeat the one before: is it sent more often "
-            "than it is measured?"
+            f"{repeated:.0%} of the positions of {id} repeat the one before while it moves: is it "
+            "sent more often than it is measured?"
         )
         findings.append(Finding("remark", "repeats", text))
     moved = (intervals > 0.0) & (steps > 0.0)
@@ -250,11 +246,21 @@ def _check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
     return findings
 
 
+def _repeated_share(repeats: NDArray[np.bool_]) -> float:
+    """Return the share of repeated positions between moves; a rest is no repetition."""
+    moves = np.flatnonzero(~repeats)
+    between = np.diff(moves) - 1
+    short = between[between <= MAX_REPEATS]
+    if (short > 0).sum() < MIN_SAMPLES:
+        return 0.0
+    return float(short.sum() / (short.sum() + len(moves)))
+
+
 def _upright_axis(quaternions: ArrayLike) -> Array | None:
     """Return where the z axis of a mesh points, the mean over (n, 4) x, y, z, w; None: unknown."""
     q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
-    norm = np.linalg.norm(q, axis=1)
-    q = q[np.isfinite(norm) & (norm > 0.0)] / norm[np.isfinite(norm) & (norm > 0.0), None]
+    norm = np.linalg.norm(q, axis=1, keepdims=True)
+    q = (q / np.where(norm > 0.0, norm, np.nan))[np.isfinite(norm[:, 0]) & (norm[:, 0] > 0.0)]
     if not len(q):
         return None
     x, y, z, w = q.T

@@ -147,6 +147,7 @@ class _LineReader:
         too_long = not ended and len(raw) >= self._limit
         while too_long and (rest := self._raw()):  # skip the rest of it
             if rest.endswith(self._newline):
+                ended = True
                 break
         if self._encoding.name != "utf-8":
             raw = raw.decode(self._encoding.name, errors="replace").encode("utf-8", "replace")

@@ -106,10 +106,15 @@ def test_problems_of_a_recording(small_dataset, catalog):
     assert "no recording 'gone'" in gone.problem
     assert [e.intentions for e in gone.estimators] == [[], []]
     path = small_dataset.recording(trial)
-    path.write_text('{"t": 0}\n{"t": -1}\n')
+    path.write_text('{"t": 0}\n{"t": -1}\n{"t": 0.1}\n')
+    damaged = run_trial(small_dataset, trial, catalog, CONFIGS)
+    assert damaged.problem is None
+    assert "first in line 2 (t: is -1 s, before all times so far)" in damaged.cut
+    assert damaged.recorded.times == [0.0, 0.1]
+    path.write_text('{"t": "x"}\n{"t": null}\n')
     broken = run_trial(small_dataset, trial, catalog, CONFIGS)
-    assert broken.problem == f"{path}, line 2: t: must not be negative, got -1"
-    assert broken.recorded.times == [0.0]
+    assert broken.problem.startswith(f"{path}, line 1: t: must be a number")
+    assert broken.recorded.times == []
     row = run_trial(small_dataset, replace(trial, problem="line 3 is wrong"), catalog, CONFIGS)
     assert row.problem == "line 3 is wrong"
     assert row.recorded.times == []

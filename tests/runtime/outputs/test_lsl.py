@@ -100,6 +100,17 @@ def test_an_inlet_gets_what_changes_and_the_numbers(streams):
     assert output.counts() == {"sent": len(story)}
 
 
+@pytest.mark.parametrize("spelling", ["Right", "R", "right_hand"])
+def test_a_hand_in_another_spelling_has_the_channels_of_its_side(streams, spelling):
+    output, _, signal = streams
+    sequencer = Sequencer(lambda: 0.0)
+    for hand, sure in ((spelling, 0.7), ("hand_0", 0.1), ("left", 0.4)):
+        told = Intention(t=0.0, hand=hand, status="reaching", confidence=sure)
+        output.send(sequencer.wrap(told, 0.0))
+    rows = [signal.pull_sample(timeout=PATIENCE)[0] for _ in range(2)]
+    assert [rows[-1][0], rows[-1][len(CHANNELS)]] == pytest.approx([0.4, 0.7])
+
+
 def test_little_is_kept_of_hands_that_come_and_go(streams):
     output, *_ = streams
     sequencer = Sequencer(lambda: 0.0)
