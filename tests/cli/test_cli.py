@@ -109,7 +109,9 @@ def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
 def test_import_of_unknown_tables_is_refused(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("a,b\n1,2\n")
     done = igrip("import", tmp_path / "t.csv", "--out", tmp_path / "d", code=2)
-    assert "no importer recognises these files (known: wispinski2021)" in done.stderr
+    assert (
+        "no importer recognises these files: known are motion_capture, wispinski2021" in done.stderr
+    )
     assert not (tmp_path / "d").exists()
 
 

@@ -10,6 +10,7 @@ import trimesh
 from datasets import write_small_dataset
 from igrip import Config
 from igrip.errors import DatasetError, RecordingError
+from igrip.io.datasets import dataset as dataset_module
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation import evaluation as module
 from igrip.lab.evaluation import fingerprint, runner
@@ -188,16 +189,16 @@ def test_other_objects_than_the_dataset_s(with_meshes, tmp_path):
 def test_a_recording_that_changes_while_it_is_read_is_read_again(
     with_meshes, tmp_path, monkeypatch
 ):
-    open_source = runner.open_source
+    open_source = dataset_module.open_source
 
-    def opened_and_changed(path):
-        reader = list(open_source(path))
+    def opened_and_changed(path, frame):
+        reader = list(open_source(path, frame))
         path.write_bytes(path.read_bytes() + b'{"t": 9}\n')
-        monkeypatch.setattr(runner, "open_source", open_source)
+        monkeypatch.setattr(dataset_module, "open_source", open_source)
         reader = type("Reader", (list,), {"cut": None})(reader)
         return reader
 
-    monkeypatch.setattr(runner, "open_source", opened_and_changed)
+    monkeypatch.setattr(dataset_module, "open_source", opened_and_changed)
     run(with_meshes, tmp_path / "out", targets=("distance",))
     rows, steps = run(with_meshes, tmp_path / "out", targets=("distance",))
     assert steps[0] == 1

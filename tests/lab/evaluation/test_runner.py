@@ -121,7 +121,7 @@ def test_problems_of_a_recording(small_dataset, catalog):
 
 
 def test_an_odd_recording_ends_only_itself(small_dataset, catalog, monkeypatch):
-    def broken(path):
+    def broken(path, frame):
         raise RuntimeError("of a kind that nobody foresaw")
 
     monkeypatch.setattr(dataset_module, "open_source", broken)
