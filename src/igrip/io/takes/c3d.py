@@ -129,7 +129,8 @@ class _C3d:
             raw = np.frombuffer(self._data, f"{self._order}i2", self.frames * each, begin)
         rows = raw.reshape(self.frames, each)[:, : 4 * self._points]
         parts = rows.reshape(self.frames, self._points, 4)
-        positions = parts[:, :, :3].astype(np.float64)
+        with np.errstate(invalid="ignore"):  # damaged numbers become NaN
+            positions = parts[:, :, :3].astype(np.float64)
         if not floats:
             positions *= abs(self._scale)
         positions[(parts[:, :, 3] < 0) | ~np.isfinite(parts[:, :, 3])] = np.nan
