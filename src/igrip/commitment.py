@@ -19,108 +19,26 @@ from __future__ import annotations
 import math
 from typing import Literal
 
+from igrip.adaptation import Person, ReachLearner
+from igrip.commitment_config import ALL_HANDS, MAX_RAISED, CommitmentConfig
 from igrip.entities import Vector
 from igrip.evidence import Evidence
 from igrip.intention import Commitment
-from igrip.settings import Settings, quantity
 
 __all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
 
 State = Literal["open", "earning", "committed", "holding"]
-ALL_HANDS: tuple[str, ...] = ("*",)
-MAX_RAISED = 0.98  # no threshold is raised beyond it: it could not be reached
-
-
-class CommitmentConfig(Settings):
-    """How certain and for how long a target must be, and which hands are assisted.
-
-    Attributes
-    ----------
-    assisted : tuple of str
-        Ids of the hands that a device assists; ``("*",)``: every hand. No other ever commits.
-    needs_confirmation : bool
-        Whether each reach must be confirmed from outside (a switch, a muscle) to be acted on.
-    """
-
-    assisted: tuple[str, ...] = ALL_HANDS
-    needs_confirmation: bool = False
-    reliability: float = quantity(
-        0.6, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
-        "docs/commitment.md", ge=0, le=1,
-    )  # fmt: skip
-    min_threshold: float = quantity(
-        0.5, "1", "confidence required at reliability 0", "guess", gt=0, lt=1
-    )
-    max_threshold: float = quantity(
-        0.98, "1", "confidence required at reliability 1", "guess", gt=0, le=1
-    )
-    max_dwell: float = quantity(
-        0.2, "s", "a target must be likely for this long at reliability 1, at 0 not at all",
-        "guess", ge=0,
-    )  # fmt: skip
-    strange_margin: float = quantity(
-        0.15, "1", "the threshold is this much higher in a movement like none that was learned "
-        "from, up to 0.98", "docs/commitment.md", ge=0, lt=1,
-    )  # fmt: skip
-    full_familiarity: float = quantity(
-        0.3, "1", "from this familiarity on the threshold is not raised",
-        "nine in ten real reaches have more", gt=0, le=1,
-    )  # fmt: skip
-    hysteresis: float = quantity(
-        0.25, "1", "a target is kept until its confidence falls this much below the threshold",
-        "guess", ge=0, lt=1,
-    )  # fmt: skip
-    lease_duration: float = quantity(
-        0.15, "s", "a lease ends this long after the newest measurement of the hand", "DESIGN §5",
-        gt=0,
-    )  # fmt: skip
-    max_pause: float = quantity(
-        0.3, "s", "after a pause no longer than this a lease resumes without a dwell", "DESIGN §5",
-        ge=0,
-    )  # fmt: skip
-    veto_rest_duration: float = quantity(
-        0.3, "s", "a trusted hand must rest this long to end a veto", "guess", ge=0
-    )
-    holding_distance: float = quantity(
-        0.12, "m", "a palm that stops this near to the surface of its target holds it", "guess",
-        gt=0,
-    )  # fmt: skip
-    release_margin: float = quantity(
-        0.06, "m", "a hand releases its target where it is this much further from it", "guess",
-        gt=0,
-    )  # fmt: skip
-
-    @property
-    def threshold(self) -> float:
-        """Confidence from which a target is committed to, in a familiar movement."""
-        return self.min_threshold + self.reliability * (self.max_threshold - self.min_threshold)
-
-    def threshold_in(self, familiarity: float | None) -> float:
-        """Return the confidence from which a target is committed to in a movement.
-
-        Parameters
-        ----------
-        familiarity : float or None
-            Of the movement, from 0 to 1; None: not known.
-        """
-        if familiarity is None:
-            return self.threshold
-        strangeness = 1.0 - min(1.0, familiarity / self.full_familiarity)
-        raised = min(self.threshold + self.strange_margin * strangeness, MAX_RAISED)
-        return max(self.threshold, raised)
-
-    @property
-    def dwell(self) -> float:
-        """For how long the confidence must be above the threshold [s]."""
-        return self.reliability * self.max_dwell
-
-    def assists(self, hand: str) -> bool:
-        """Return whether a device assists this hand."""
-        return self.assisted == ALL_HANDS or hand in self.assisted
 
 
 class Committer:
     """The lease of one hand.
+
+    Parameters
+    ----------
+    config : CommitmentConfig
+        When a lease is given.
+    person : Person, optional
+        Whose hand it is: the threshold follows their reaches (:mod:`igrip.adaptation`).
 
     Attributes
     ----------
@@ -130,8 +48,12 @@ class Committer:
         The object of that state.
     """
 
-    def __init__(self, config: CommitmentConfig) -> None:
+    def __init__(self, config: CommitmentConfig, person: Person | None = None) -> None:
         self._config = config
+        self._learner = (
+            None if person is None
+            else ReachLearner(config.adaptation, person, config.holding_distance)
+        )  # fmt: skip
         self._vetoed = False
         self._confirmed = False
         self._resting_since = self._updated_at = math.nan
@@ -153,6 +75,8 @@ class Committer:
 
     def veto(self) -> None:
         """End the lease now, and give none before the hand has rested."""
+        if self._learner is not None:
+            self._learner.veto()
         self._open()
         self._vetoed, self._confirmed = True, False
         self._resting_since = math.nan
@@ -195,6 +119,8 @@ class Committer:
             self._keep(evidence)
         if self.state in ("open", "earning"):
             self._earn(evidence)
+        if self._learner is not None:
+            self._learner.update(evidence, self.target if self.state == "committed" else None)
         leased = self.state in ("committed", "holding")
         if not leased or self.target not in evidence.trusted_objects:
             return None
@@ -208,6 +134,14 @@ class Committer:
         return Commitment(
             target=self.target, grip=self._grip, since=self._since, valid_until=valid_until
         )
+
+    def _threshold(self, evidence: Evidence) -> float:
+        """Return the confidence from which this person's target is committed to."""
+        threshold = self._config.threshold_in(evidence.familiarity)
+        if self._learner is None or self._learner.person.margin == 0.0:
+            return threshold
+        margin = self._learner.person.margin
+        return min(threshold + margin, max(threshold, MAX_RAISED))
 
     def _has_rested(self, evidence: Evidence) -> bool:
         """Return whether the hand has rested for long enough, trusted and without a gap."""
@@ -233,7 +167,7 @@ class Committer:
             evidence.moving and not self._vetoed and not full
             and target is not None and evidence.grip is not None
             and target in evidence.trusted_objects
-            and evidence.confidence.get(target, 0.0) >= config.threshold_in(evidence.familiarity)
+            and evidence.confidence.get(target, 0.0) >= self._threshold(evidence)
         )  # fmt: skip
         if not likely:
             self._open()
@@ -259,7 +193,7 @@ class Committer:
                 else:
                     self._open()
             elif self.target in evidence.trusted_objects:  # a hidden target cannot be judged
-                lowest = config.threshold_in(evidence.familiarity) - config.hysteresis
+                lowest = self._threshold(evidence) - config.hysteresis
                 if evidence.confidence.get(self.target, 0.0) < lowest:
                     self._open()
         elif self._has_left(evidence, distance):

@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from igrip.adaptation import Person
 from igrip.assembly import HandResults, build_evidence, build_intention
 from igrip.commitment import Committer
 from igrip.config import Config
@@ -34,6 +35,8 @@ class Estimator:
         The objects that may be there (:func:`igrip.load_objects`).
     config : Config, optional
         All parameters.
+    person : Person, optional
+        Whose hands they are: commitments adapt to their reaches (:mod:`igrip.adaptation`).
 
     Raises
     ------
@@ -49,7 +52,9 @@ class Estimator:
     'warming_up'
     """
 
-    def __init__(self, catalog: Catalog, config: Config | None = None) -> None:
+    def __init__(
+        self, catalog: Catalog, config: Config | None = None, person: Person | None = None
+    ) -> None:
         if not isinstance(catalog, Mapping):
             raise TypeError(f"expected a catalogue (igrip.load_objects), got {catalog!r:.80}")
         self.config = config = config or Config()
@@ -63,6 +68,7 @@ class Estimator:
         self._grips = GRIPS.get(config.grips)(config.grip)
         self._timing_model = default_timing()
         self._targets: dict[str, tuple[HandTrack, int, TargetsEstimator]] = {}
+        self._person = person
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
         self._trusted_objects = TrustedObjects(self._tracker)
@@ -137,7 +143,7 @@ class Estimator:
             is_followed = hand in self._tracker.hands
             if not is_followed and len(unknown) >= 4 * self.config.tracking.max_hands:
                 raise IgripError(f"hand {hand!r:.80} is not known, and there are too many")
-            self._committers[hand] = Committer(self.config.commitment)
+            self._committers[hand] = Committer(self.config.commitment, self._person)
         intentions = []
         for id in [hand] if hand is not None else list(self._committers):
             committer = self._committers[id]
@@ -214,7 +220,7 @@ class Estimator:
             return intention
         committer = self._committers.get(hand.id)
         if committer is None:
-            committer = self._committers[hand.id] = Committer(self.config.commitment)
+            committer = self._committers[hand.id] = Committer(self.config.commitment, self._person)
         lease = committer.update(evidence)
         return msgspec.structs.replace(intention, commitment=lease, status=self._status(hand))
 
