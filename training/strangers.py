@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from igrip.adaptation import Person
 from igrip.commitment import CommitmentConfig, Committer
 from igrip.evidence import Evidence
 from igrip.lab.evaluation.calibration import ReliabilityBins
@@ -115,6 +116,32 @@ def timing_row(answered: Sequence[Answered]) -> list[str]:
     return cells
 
 
+def adapted_row(answered: Sequence[Answered], config: CommitmentConfig) -> list[str]:
+    """Return committed and right first commitments while the threshold follows each person.
+
+    Their reaches come one after the other, and each ends with a rest at its target.
+    """
+    persons: dict[str, Person] = {}
+    committed, right = [], []
+    for recording, _, evidence in answered:
+        committer = Committer(config, persons.setdefault(recording.person, Person()))
+        within = [e for e in evidence if e.t <= recording.end + 1e-9]
+        if not within or recording.target is None:
+            continue
+        first = None
+        for one in within:
+            if committer.update(one) is not None and first is None:
+                first = committer.target
+        for rest in (0.1, 0.2, 1.0):
+            t = within[-1].t + rest
+            near = dict.fromkeys(within[-1].distances, 1.0) | {recording.target: 0.0}
+            committer.update(within[-1]._replace(t=t, measured=t, moving=False, distances=near))
+        committed.append(first is not None)
+        if first is not None:
+            right.append(first == recording.target)
+    return [f"{100 * np.mean(column):.1f} %" for column in (committed, right)]
+
+
 def false_commitments(answered: Iterable[Answered], config: CommitmentConfig) -> float:
     """Return how many leases begin in a minute of recordings without a reach."""
     count, minutes = 0, 0.0
@@ -152,6 +179,14 @@ def main() -> None:
     print("| --- | --- | --- | --- | --- |")
     for name, one in answered.items():
         print(f"| {' | '.join([name, *timing_row(one)])} |", flush=True)
+    print("\n| set | reliability | committed | right | with adaptation: committed | right |")
+    print(f"|{' --- |' * 6}")
+    for name, one in answered.items():
+        for reliability in (0.2, 0.4, 0.6):
+            config = CommitmentConfig(reliability=reliability)
+            plain = reaches_row(one, config)[-3:-1]
+            row = [name, str(reliability), *plain, *adapted_row(one, config)]
+            print(f"| {' | '.join(row)} |", flush=True)
     work = [answer(r) for r in hands_at_work(shared / "hands_at_work", SEED, learned=False)]
     idle = [answer(r) for r in arms if r.target is None]
     print("\n| without a reach | false commitments a minute | the same without margin |")

@@ -23,8 +23,8 @@ class AdaptationConfig(Settings):
     """How fast and how far the threshold follows a person."""
 
     max_wrong: float = quantity(
-        0.05, "1", "accepted share of reaches with a wrong commitment", "docs/commitment.md",
-        gt=0, le=0.5,
+        0.03, "1", "accepted share of reaches with a wrong commitment: 5 % of the commitments where "
+        "60 % of the reaches get one", "docs/commitment.md", gt=0, le=0.5,
     )  # fmt: skip
     step: float = quantity(
         0.05, "1", "the margin rises by nearly this much after a wrong commitment", "guess", gt=0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import signal
@@ -11,6 +12,9 @@ import sys
 import urllib.request
 
 import pytest
+
+import igrip
+from igrip.lab.simulation.demo import DemoPerson
 
 
 def stream(*options, **more):
@@ -117,3 +121,34 @@ def test_lines_that_nobody_reads_are_counted_at_the_end():
     assert written == lines
     assert written + lost == total
     assert lost > 0
+
+
+def test_what_is_learned_of_a_person_is_kept(tmp_path):
+    """A day of the demo's person, piped; the second day begins where the first one ended."""
+    catalog = igrip.load_objects("ycb")
+    messages = [
+        moment.observation.to_json()
+        for moment in itertools.islice(DemoPerson(catalog, seed=0), 1800)
+    ]
+    person = tmp_path / "anna.json"
+    days = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-m", "igrip", "stream", "--in", "stdin", "--out", "stdout",
+             "--person", str(person)],
+            input=b"\n".join(messages), capture_output=True, timeout=300, check=True,
+        )  # fmt: skip
+        assert done.stdout
+        days.append(json.loads(person.read_text()))
+    first, second = days
+    assert first["reaches"] > 5
+    assert second["reaches"] == 2 * first["reaches"]
+    assert second["margin"] <= first["margin"] < 0.0  # a person who is understood
+    assert first["wrong"] == 0
+
+
+def test_a_file_that_is_not_of_a_person_is_refused(tmp_path):
+    (tmp_path / "other.json").write_text("{}")
+    done = stream("--in", "stdin", "--person", str(tmp_path / "other.json"))
+    assert done.returncode == 2
+    assert "not the file of a person" in done.stderr

@@ -20,6 +20,7 @@ from igrip.cli.page import open_page
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
+from igrip.io.person_file import PersonFile
 from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.perception.cameras import Camera, open_camera, split_names
@@ -79,6 +80,7 @@ def live(
     assisted: options.Assisted = None,
     reliability: options.Reliability = setup.RELIABILITY,
     confirm: options.Confirm = False,
+    person: options.Person = None,
     seconds: Annotated[
         float | None, typer.Option(help="Default: until Ctrl-C, or the end of a recording.", min=0)
     ] = None,
@@ -97,6 +99,7 @@ def live(
     """
     # every name is looked up before anything slow begins
     config = setup.estimator_config(targets, assisted, reliability, confirm)
+    kept = None if person is None else PersonFile(person, config.commitment.adaptation)
     count = _check(camera, calibration)
     poses, objects = _poses_and_objects(poses, objects or [])
     new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, separate_hands, count)
@@ -119,8 +122,8 @@ def live(
             source = open_camera(camera, calibration)
         pipeline = stack.enter_context(Pipeline(source, new_hands, new_objects))
         loop = Loop(
-            Estimator(known, config), RunClock(pipeline.begin),
-            {"camera": StreamInput(pipeline)}, outputs,
+            Estimator(known, config, None if kept is None else kept.person),
+            RunClock(pipeline.begin), {"camera": StreamInput(pipeline)}, outputs,
             record=None if recorder is None else recorder.write,
             announce=lambda address: errors.print(address, soft_wrap=True),
             source_report=lambda: {"stages": pipeline.report()},
@@ -130,8 +133,10 @@ def live(
         if viewer is not None:
             stack.callback(viewer.close)
         stack.callback(problems.print_new)
+        if kept is not None:
+            stack.callback(kept.keep)
         with until_interrupted():
-            _run(loop, pipeline, viewer, seconds, problems, quiet=as_json)
+            _run(loop, pipeline, viewer, seconds, problems, kept, quiet=as_json)
     report = loop.status()
     if as_json:
         print_json(report)
@@ -187,7 +192,7 @@ def _check(camera: str, calibration: Path | None) -> int:
 
 def _run(
     loop: Loop, pipeline: Pipeline, viewer: Viewer | None, seconds: float | None,
-    problems: ProblemPrinter, quiet: bool,
+    problems: ProblemPrinter, kept: PersonFile | None, quiet: bool,
 ) -> None:  # fmt: skip
     """Run the loop; show its results after each update, without blocking it."""
     panel = None if viewer is None else CameraPanel(viewer.server)
@@ -210,6 +215,8 @@ def _run(
         if now >= due:
             due = now + SCREEN_INTERVAL
             problems.print_new()
+            if kept is not None:
+                kept.keep()
             stages = pipeline.report()
             screen.update(live_table(estimator.t, stages, newest))
             if panel is not None:

@@ -34,6 +34,11 @@ Reliability = Annotated[
     typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all.",
                  min=0.0, max=1.0),
 ]  # fmt: skip
+Person = Annotated[
+    Path | None,
+    typer.Option(help="File of what is learned of this person's commitments; made if it is not "
+                 "there. Delete it to begin anew."),
+]  # fmt: skip
 Confirm = Annotated[
     bool, typer.Option("--confirm", help="Commit only to reaches that are confirmed from outside.")
 ]

@@ -15,6 +15,7 @@ from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.frames import DeclaredFrame
 from igrip.io.hand_ids import match_hand
+from igrip.io.person_file import PersonFile
 from igrip.objects.catalog import load_objects
 from igrip.runtime.clock_sync import ArrivalClock, SenderClock
 from igrip.runtime.inputs import INPUTS
@@ -44,6 +45,7 @@ def stream(
     assisted: options.Assisted = None,
     reliability: options.Reliability = setup.RELIABILITY,
     confirm: options.Confirm = False,
+    person: options.Person = None,
     host: options.Host = "127.0.0.1",
     port: options.Port = 8765,
     token: options.Token = None,
@@ -85,6 +87,7 @@ def stream(
             "--senders-clock is for --in stdin alone: with several senders, one clock would rule"
         )
     config = setup.estimator_config(targets, assisted, reliability, confirm)
+    kept = None if person is None else PersonFile(person, config.commitment.adaptation)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects(*(objects or ["ycb"]))
         for model in preload or []:
@@ -93,11 +96,14 @@ def stream(
     errors.print(f"commits for: {', '.join(assisted) if assisted else 'every hand'}")
     by_sender = piped if senders_clock is None else senders_clock
     loop = Loop(
-        Estimator(catalog, config), SenderClock() if by_sender else ArrivalClock(), members,
-        outlets, piped, announce=lambda address: errors.print(address, soft_wrap=True), warn=warn,
+        Estimator(catalog, config, None if kept is None else kept.person),
+        SenderClock() if by_sender else ArrivalClock(), members, outlets, piped,
+        announce=lambda address: errors.print(address, soft_wrap=True), warn=warn,
     )  # fmt: skip
 
     def after_update(intentions: list[Intention]) -> None:
+        if kept is not None:
+            kept.keep()
         for hand in {intention.hand for intention in intentions} - set(assisted or ()):
             if assisted and match_hand(hand, assisted) is not None:
                 loop.warn(f"hand {hand!r:.60} gets no commitment: --assisted {hand:.60}")
@@ -110,6 +116,8 @@ def stream(
     except BrokenPipeError:
         errors.print("nobody reads standard output any more")
     finally:
+        if kept is not None:
+            kept.keep()
         for line in loop.senders.lines():
             warn(line)
         errors.print(_summary(loop.status()), soft_wrap=True)
