@@ -23,7 +23,7 @@ class AdaptationConfig(Settings):
     """How fast and how far the threshold follows a person."""
 
     max_wrong: float = quantity(
-        0.03, "1", "accepted share of reaches with a wrong commitment: 5 % of the commitments where "
+        0.03, "1", "accepted share of reaches with a wrong commitment: 5 % of the commitments if "
         "60 % of the reaches get one", "docs/commitment.md", gt=0, le=0.5,
     )  # fmt: skip
     step: float = quantity(
