@@ -88,7 +88,7 @@ def test_the_margin_stays_in_its_bounds_and_keeps_the_books(errors):
     learner = ReachLearner(CONFIG, person, HOLDING)
     for n, wrong in enumerate(errors):
         reach(learner, "jug" if wrong else "cup", "cup", begin=2.5 * n)
-    assert CONFIG.min_margin <= person.margin <= CONFIG.max_margin
+    assert -CONFIG.max_fall <= person.margin <= CONFIG.max_rise
     assert (person.reaches, person.wrong) == (len(errors), sum(errors))
 
 
@@ -109,7 +109,7 @@ def test_the_long_run_share_of_errors_is_the_accepted_one(hard):
         learner.update(evidence(0.0, moving=True), "jug" if wrong else "cup")
         for t in (1.0, 1.5):
             learner.update(evidence(t, moving=False, cup=0.05), None)
-    width = config.max_margin - config.min_margin + config.step
+    width = config.max_rise + config.max_fall + config.step
     off = abs(person.wrong / reaches - config.max_wrong)
     assert off <= width / (config.step * reaches) + 1e-9
 

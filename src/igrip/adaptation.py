@@ -4,7 +4,7 @@ Adaptive conformal inference (Gibbs & Candès 2021, arXiv 2106.00170). After eac
 the threshold moves by ``step · (wrong - max_wrong)``: up a little more than it comes down, so that
 in the long run wrong commitments are ``max_wrong`` of the reaches, whoever moves and however that
 changes. Over T reaches in which the margin is not at a bound, the share of wrong ones differs from
-``max_wrong`` by at most ``(max_margin - min_margin + step) / (step · T)``. The label is free: the
+``max_wrong`` by at most ``(max_rise + max_fall + step) / (step · T)``. The label is free: the
 object at which the hand comes to rest. A commitment is wrong if it was for another, if the hand
 comes to rest away from all of them, or if it is vetoed.
 """
@@ -30,10 +30,10 @@ class AdaptationConfig(Settings):
         0.05, "1", "the margin rises by nearly this much after a wrong commitment", "guess", gt=0,
         le=0.5,
     )  # fmt: skip
-    min_margin: float = quantity(
-        -0.1, "1", "the threshold falls by no more than this", "guess", le=0, gt=-1
+    max_fall: float = quantity(
+        0.1, "1", "the threshold falls by no more than this", "guess", ge=0, lt=1
     )
-    max_margin: float = quantity(
+    max_rise: float = quantity(
         0.3, "1", "the threshold rises by no more than this", "guess", ge=0, lt=1
     )
     rest_duration: float = quantity(
@@ -125,4 +125,4 @@ class ReachLearner:
         person.reaches += 1
         person.wrong += wrong
         margin = person.margin + config.step * (wrong - config.max_wrong)
-        person.margin = min(max(margin, config.min_margin), config.max_margin)
+        person.margin = min(max(margin, -config.max_fall), config.max_rise)

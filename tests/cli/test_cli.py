@@ -103,7 +103,7 @@ def test_exit_codes(small_dataset: Dataset, tmp_path: Path) -> None:
         text.write('{"t": 1, "hands": {"right": {"position": [0, 0]}}}\n')
     stderr = igrip("replay", tmp_path / "bad.jsonl", code=2).stderr
     assert "hands.right: not seen once, first in line 2 (position: must be 3 numbers" in stderr
-    assert "no hand in 2 messages" in stderr
+    assert "no hand and no object in 2 messages" in stderr
     assert "Traceback" not in stderr
 
 

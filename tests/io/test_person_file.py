@@ -47,7 +47,7 @@ def test_a_margin_beyond_the_bounds_is_brought_back(tmp_path):
     """Nobody can write a file by hand that makes a hand close at any probability."""
     path = tmp_path / "anna.json"
     path.write_text(f'{{"format": "{FORMAT}", "margin": -5, "reaches": 9, "wrong": 0}}')
-    assert PersonFile(path).person.margin == AdaptationConfig().min_margin
+    assert PersonFile(path).person.margin == -AdaptationConfig().max_fall
 
 
 def test_a_folder_that_is_not_there(tmp_path):

@@ -109,8 +109,9 @@ def _replay_recording(
         print_recording(output, summary)
     for text in [*([cut] if cut else []), *remarks, *defects.lines()]:
         warn(text)
-    if not run.estimator.inputs()["hands"]:
-        raise RecordingError(f"{path}: no hand in {len(times)} messages, so nothing to answer")
+    inputs = run.estimator.inputs()
+    if not inputs["hands"] and not inputs["objects"]:
+        raise RecordingError(f"{path}: no hand and no object in {len(times)} messages")
 
 
 def _missing(run: EstimatorRun) -> list[str]:
@@ -118,7 +119,9 @@ def _missing(run: EstimatorRun) -> list[str]:
     inputs = run.estimator.inputs()
     remarks = [f"{id}: {state['reason']}" for id, state in inputs["objects"].items()
                if not state["known"]]  # fmt: skip
-    if inputs["hands"] and not inputs["objects"]:
+    if not inputs["hands"]:
+        remarks.append("no hand was seen: there is nothing to predict")
+    elif not inputs["objects"]:
         remarks.append("no object was seen: there is no target to choose")
     return remarks
 

@@ -84,5 +84,5 @@ def _read(path: Path, config: AdaptationConfig) -> Person:
         raise PersonFileError(f"{path}: its format is {stored.format!r:.40}, not {FORMAT!r}")
     if not 0 <= stored.wrong <= stored.reaches:
         raise PersonFileError(f"{path}: {stored.wrong} wrong ones of {stored.reaches} reaches")
-    margin = min(max(stored.margin, config.min_margin), config.max_margin)
+    margin = min(max(stored.margin, -config.max_fall), config.max_rise)
     return Person(margin, stored.reaches, stored.wrong)
