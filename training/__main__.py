@@ -29,11 +29,11 @@ from training.grip import fit_grip, write_grip
 from training.learn import fit_scorer, inputs_of, probabilities, write_scorer
 from training.library import fit_library, write_library
 from training.moments import Moments, joined, thinned
-from training.sources import PERSONS, SEED, Part, gather, kind_of, provenance, source_weight
+from training.sources import SEED, Part, gather, kind_of, provenance, source_weight
 from training.timing import fit_timing, write_timing
 
 MEMORY = 0.02  # s; docs/estimators.md has the alternatives
-NONE = 0.7  # weight of moments without a target (docs/estimators.md)
+NONE = 0.6  # weight of moments without a target (docs/estimators.md)
 
 
 def weighted(parts: Mapping[str, Part]) -> Moments:
@@ -55,14 +55,13 @@ def main() -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.add_argument("shared", type=Path, help="folder with wispinski2021 and hands_at_work")
-    parser.add_argument("--persons", type=int, default=PERSONS, help="people of each generator")
     parser.add_argument("--cache", type=Path, help="file that keeps what was gathered")
     parser.add_argument(
         "--check", action="store_true", help="compare with what ships, write nothing"
     )
     asked = parser.parse_args()
     began = time.monotonic()
-    parts = gather(asked.shared, asked.persons, cache=asked.cache)
+    parts = gather(asked.shared, asked.cache)
     moments = weighted(parts)
     demonstrations = [d for part in parts.values() for d in part.demonstrations]
     scorer, loss = fit_scorer(moments, MEMORY, SEED)
@@ -90,7 +89,7 @@ def main() -> int:
         )  # fmt: skip
         print(f"the rest: largest difference of a number {apart:.3g}")
         return int(not (off <= 1e-6 and apart <= 1e-6))
-    source = provenance(asked.shared, asked.persons)
+    source = provenance(asked.shared)
     write_scorer(replace(scorer, provenance=source | {"loss": round(loss, 4)}), WEIGHTS)
     write_familiarity(familiar, source, FAMILIARITY)
     write_timing(timing, source, TIMING)

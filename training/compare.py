@@ -1,6 +1,6 @@
 """Compare likelihoods on people and simulations that none of them was trained on.
 
-``python -m training.compare SHARED [PERSONS]`` prints for each candidate the accuracy of moments:
+``python -m training.compare SHARED`` prints for each candidate the accuracy of moments:
 the newest one at 40 and 60 % of the movement, without any memory. Real people: the validation fold
 (not the people who are kept back to judge by); simulated ones: others than those learned from.
 """
@@ -87,9 +87,8 @@ def endpoint(moments: Moments) -> Array:
 def main() -> None:
     """Train every candidate on the same moments and print a table."""
     shared = Path(sys.argv[1])
-    persons = int(sys.argv[2]) if len(sys.argv) > 2 else PERSONS
     folds = [fold for fold in LEARNED_FROM if fold != VALIDATION]
-    moments = weighted(gather(shared, persons, folds))
+    moments = weighted(gather(shared, folds=folds))
     with ProcessPoolExecutor() as pool:
         judged = list(
             pool.map(
@@ -98,7 +97,7 @@ def main() -> None:
                 chunksize=40,
             )
         )
-        for part in pool.map(simulated, range(PERSONS, PERSONS + MORE)):
+        for part in pool.map(simulated, range(PERSONS["worlds"], PERSONS["worlds"] + MORE)):
             judged += part
     sets = {
         kind: joined([m for k, m in judged if k == kind]) for kind in ("near", "far", "simulated")

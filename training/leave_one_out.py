@@ -23,7 +23,7 @@ from training.held_out import NAMES, held_out
 from training.learn import fit_scorer
 from training.moments import Recording, catalog
 from training.people import VALIDATION, real_recordings
-from training.sources import PERSONS, SEED, Part, gather, near_far_fold
+from training.sources import SEED, Part, gather, near_far_fold
 from training.strangers import Answered, answer, false_commitments, reaches_row
 from training.worlds import simulate_person
 
@@ -72,10 +72,9 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.add_argument("shared", type=Path, help="folder of the sets")
-    parser.add_argument("--persons", type=int, default=PERSONS, help="people of each generator")
     parser.add_argument("--cache", type=Path, help="file that keeps what was gathered")
     asked = parser.parse_args()
-    parts = gather(asked.shared, asked.persons, cache=asked.cache)
+    parts = gather(asked.shared, asked.cache)
     persons = range(10_000, 10_000 + JUDGED)
     sets = {
         near_far_fold(VALIDATION): near_far(asked.shared / "wispinski2021"),

@@ -6,7 +6,7 @@ import hashlib
 import os
 import pickle
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,9 +27,9 @@ from training.worlds import simulate_person
 
 Array = NDArray[np.float64]
 SEED = 20260
-PERSONS = 320  # of each generator
-WEIGHTS = {"near_far": 3.0, "worlds": 1.0, "arms": 1.0, "work": 0.6}
-"""Weight of all moments of each source; real reaches count thrice."""
+PERSONS = {"worlds": 720, "arms": 480}  # of each generator
+WEIGHTS = {"near_far": 3.0, "worlds": 2.0, "arms": 1.0, "work": 1.5}
+"""Weight of all moments of each source (docs/estimators.md has the alternatives)."""
 NO_TIMING = TimingSamples(np.empty((0, len(INPUTS))), np.empty((0, 2)), np.empty(0))
 EVERY = 3  # every third reach is a demonstration for the field's methods
 
@@ -95,7 +95,7 @@ def source_weight(name: str, names: Sequence[str]) -> float:
     return WEIGHTS[kind] / sum(kind_of(other) == kind for other in names)
 
 
-def provenance(shared: Path, persons: int) -> dict[str, Any]:
+def provenance(shared: Path) -> dict[str, Any]:
     """Return what is learned from."""
     files = [
         f for name in ("wispinski2021", "hands_at_work") for f in (shared / name).glob("*.parquet")
@@ -109,7 +109,9 @@ def provenance(shared: Path, persons: int) -> dict[str, Any]:
             f"{f.parent.name}/{f.name}": hashlib.sha256(f.read_bytes()).hexdigest()[:16]
             for f in sorted(files)
         },
-        "simulated": f"{persons} people each of training/worlds.py and training/arms.py",
+        "simulated": " and ".join(
+            f"{count} people of training/{name}.py" for name, count in PERSONS.items()
+        ),
         "weights": WEIGHTS,
         "seed": SEED,
     }
@@ -133,20 +135,21 @@ def _work(recordings: Sequence[Recording]) -> Part:
 
 
 def gather(
-    shared: Path, persons: int, folds: Sequence[int] = LEARNED_FROM, cache: Path | None = None
-) -> dict[str, Part]:
+    shared: Path, cache: Path | None = None, folds: Sequence[int] = LEARNED_FROM,
+    persons: Mapping[str, int] = PERSONS,
+) -> dict[str, Part]:  # fmt: skip
     """Return what is learned from each source, by name.
 
     Parameters
     ----------
     shared : Path
         Folder with the near/far reaches (``wispinski2021``) and the ``hands_at_work``.
-    persons : int
-        Simulated people of each generator.
-    folds : sequence of int
-        Folds of the people of the near/far reaches.
     cache : Path, optional
         A file that keeps the result for the next call.
+    folds : sequence of int
+        Folds of the people of the near/far reaches.
+    persons : mapping of str to int
+        Simulated people of each generator, ``worlds`` and ``arms``.
     """
     if cache is not None and cache.exists():
         kept: dict[str, Part] = pickle.loads(cache.read_bytes())
@@ -162,8 +165,8 @@ def gather(
             name = near_far_fold(fold)
             parts[name] = joined_parts(_collected(pool.map, _real, groups, name))
         for name, function, items in (
-            ("worlds", _world, range(persons)),
-            ("arms", _arm, range(persons)), ("work", _work, stretches),
+            ("worlds", _world, range(persons["worlds"])),
+            ("arms", _arm, range(persons["arms"])), ("work", _work, stretches),
         ):  # fmt: skip
             parts[name] = joined_parts(_collected(pool.map, function, items, name))
     if cache is not None:
