@@ -265,7 +265,7 @@ def test_simulate_and_evaluate(tmp_path: Path) -> None:
     assert "no recording" in again.stderr
     assert "exists already" in igrip("simulate", tmp_path / "set", code=2).stderr
     assert (
-        "no profile 'tall'"
+        "no profile is named 'tall'"
         in igrip("simulate", tmp_path / "new", "--profile", "tall", code=2).stderr
     )
 

@@ -60,7 +60,7 @@ def print_recording(console: Console, summary: dict[str, Any]) -> None:
         for hand, answers in summary["hands"].items() for reach in answers["reaches"]
     ]  # fmt: skip
     columns = ("hand", "reach", "target", "settled after", "grip", "score")
-    console.print(table_of(columns, rows) if rows else "no hand reached")
+    console.print(table_of(columns, rows, left=(2, 4)) if rows else "no hand reached")
 
 
 def print_dataset(console: Console, summary: dict[str, Any]) -> None:
@@ -86,7 +86,7 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
         for row in summary["results"]
     ]  # fmt: skip
     columns = ("targets", "group", "trials", *shares.values(), *times.values())
-    console.print(table_of(columns, rows))
+    console.print(table_of(columns, rows, left=(1,)))
     print_trials(console, summary["remarks"], "remark")
     if summary["problems"]:
         console.print(f"{len(summary['problems'])} result(s) are missing:", style="yellow")
