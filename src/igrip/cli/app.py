@@ -31,12 +31,15 @@ COMMANDS = {
     "import": "Turn motion-capture tables into a dataset.",
     "check": "Check a dataset: every trial, its recording, hand, target and models.",
     "bench": "Measure the speed of the estimator on this machine.",
-    "list": "List the names that options take: estimators, cues, cameras, models, outputs …",
+    "list": "List the names that options take: estimators, cues, cameras, models and more.",
     "doctor": "Show what is installed and whether the core works.",
     "grips": "Show from which height on each object is pinched.",
     "schema": "Print the JSON schema of a message.",
 }  # fmt: skip
-TARGETS = {"import": "importing:import_tables", "list": "listing:list_names"}  # where it is not "NAME:NAME"
+TARGETS = {
+    "import": "importing:import_tables",
+    "list": "listing:list_names",
+}  # where it is not "NAME:NAME"
 RENAMED_OPTIONS = {
     "live": {"--tell": "--out", "--apart": "--separate-hands", "--catalog": "--objects"},
 }

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from igrip.cli.table import FoldingTable
 
 
-
 class PipeConsole(Console):
     """A console that leaves it to the command's end what happens when its reader has gone."""
 
@@ -22,6 +21,8 @@ class PipeConsole(Console):
         """Raise the error again; rich would exit with code 1."""
         raise
 
+
+NOT_KEPT = "an unfinished dataset is not kept; the same command begins anew"
 
 # no markup: names and paths from outside may hold brackets
 output = PipeConsole(markup=False, highlight=False)

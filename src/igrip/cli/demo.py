@@ -15,6 +15,7 @@ from rich.text import Text
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, number, output, print_json, table_of, until_interrupted
+from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
 from igrip.cli.table import FoldingTable
 from igrip.config import Config
@@ -60,6 +61,8 @@ def demo(
     """
     faults = [Fault.parse(text) for text in fault or []]
     config = setup.estimator_config(targets)
+    if not headless:
+        port = free_port(port)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects("ycb")
         setup.warm_up(config, catalog)

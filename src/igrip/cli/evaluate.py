@@ -8,13 +8,23 @@ from typing import Annotated, Any
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import errors, output, print_json, progress, table_of, warn
+from igrip.cli.console import (
+    errors,
+    interruptible,
+    output,
+    print_json,
+    progress,
+    table_of,
+    warn,
+)
+from igrip.cli.estimator_setup import warm_up
+from igrip.cli.outputs import folder_option
 from igrip.config import Config
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.evaluation import Evaluation
-from igrip.lab.evaluation.runner import spread
+from igrip.lab.evaluation.runner import count_jobs, spread
 from igrip.targets import TARGETS
 
 USUAL = (
@@ -24,10 +34,13 @@ USUAL = (
 
 def evaluate(
     dataset: Annotated[Path, typer.Argument(help="A dataset's folder.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder of the report.")],
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", help="Folder of the report.", callback=folder_option()),
+    ],
     targets: Annotated[
         list[str] | None,
-        typer.Option(help="Targets estimator; repeatable. Default: all that are known."),
+        typer.Option(help=f"{options.TARGETS_HELP} Repeatable. Default: all of them."),
     ] = None,
     grips: Annotated[
         str, typer.Option(help="Grip selector: contact, or cylinder (the paper's).")
@@ -49,20 +62,24 @@ def evaluate(
 
     Example: igrip evaluate cohort --out report --targets paper --targets repaired
     """
-    with requires_extra("pandas", "report", "the evaluation"):
-        from igrip.lab.evaluation.summary import frame_of, summarise
-        from igrip.lab.report.page import write_report
     names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
     for name in names:
         TARGETS.get(name)
     GRIPS.get(grips)
+    with requires_extra("pandas", "report", "the evaluation"):
+        from igrip.lab.evaluation.summary import frame_of, summarise
+        from igrip.lab.report.page import write_report
     configs = [Config(targets=name, grips=grips) for name in names]
     opened = Dataset.open(dataset, lenient=True)
     chosen = spread(opened.trials, limit)
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
     evaluation = Evaluation(opened, configs, out, objects or ())
-    with progress(f"evaluating {opened.name}", len(chosen)) as update:
+    if count_jobs(jobs, len(chosen)) > 1:
+        for config in configs:
+            warm_up(config, evaluation.catalog)  # once here, not in each process
+    kept = f"what is done is kept in {out}; the same command goes on from there"
+    with interruptible(kept), progress(f"evaluating {opened.name}", len(chosen)) as update:
         for done in evaluation.run(chosen, jobs):
             update(completed=done)
     frame = frame_of(evaluation.rows)

@@ -59,7 +59,7 @@ def list_names(
     objects: options.Objects = None,
     as_json: options.Json = False,
 ) -> None:
-    """List the names that options take: estimators, cues, cameras, models, outputs …
+    """List the names that options take: estimators, cues, cameras, models and more.
 
     Other distributions add names; see CONTRIBUTING.md. Models are those of --objects.
 

@@ -16,6 +16,7 @@ from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, until_interrupted, warn
 from igrip.cli.live_table import live_table, markdown_of
+from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
@@ -108,6 +109,10 @@ def live(
     pose_options = parse_options(option or [])
     output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
     outputs = {name: _output(name)(output_options) for name in out or []}
+    if not headless:
+        page_port = free_port(page_port, "--page-port")
+    if "ws" in outputs:
+        free_port(port, host=host)
     with ExitStack() as stack:
         recorder = None if record is None else stack.enter_context(open_writer(record))
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):

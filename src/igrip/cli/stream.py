@@ -10,6 +10,7 @@ import typer
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, until_interrupted, warn
+from igrip.cli.outputs import free_port
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
@@ -86,6 +87,10 @@ def stream(
         raise IgripError(
             "--senders-clock is for --in stdin alone: with several senders, one clock would rule"
         )
+    if "ws" in {*members, *outlets}:
+        free_port(port, host=host)
+    if "osc" in members:
+        free_port(osc_port, "--osc-port", host, udp=True)
     config = setup.estimator_config(targets, assisted, reliability, confirm)
     kept = None if person is None else PersonFile(person, config.commitment.adaptation)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):

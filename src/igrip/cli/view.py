@@ -10,6 +10,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, progress, until_interrupted
+from igrip.cli.outputs import free_port
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
@@ -46,6 +47,7 @@ def view(
     """
     config = Config(targets=targets) if targets else Config()
     TARGETS.get(config.targets)
+    port = free_port(port)
     path, catalog = _open(recording, trial, objects or [])
     observations = _read(path, begin + duration)
     snapshots = _replay(path.name, observations, catalog, config, begin)
