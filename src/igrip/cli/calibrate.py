@@ -32,7 +32,7 @@ def calibrate(
     lens: Annotated[
         Path | None,
         typer.Option(help="Calibrate the lens of one camera instead, for ?intrinsics=, and write "
-                     "it here (.json); move the board about."),
+                     "it here (.json); move the board about.", callback=file_option()),
     ] = None,
     board: Annotated[
         Path | None,

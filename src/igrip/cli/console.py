@@ -19,6 +19,7 @@ class PipeConsole(Console):
 
     def on_broken_pipe(self) -> None:
         """Raise the error again; rich would exit with code 1."""
+        self._buffer.clear()
         raise
 
 

@@ -35,7 +35,7 @@ def end(command: Callable[[], object]) -> NoReturn:
         code = DONE
     except KeyboardInterrupt as interrupt:
         ignore_interrupts()  # a second one would cut the line off
-        _print(f"stopped; {interrupt or NOTHING_KEPT}")
+        _print(f"stopped; {str(interrupt) or NOTHING_KEPT}")
         code = INTERRUPTED
     except Exception as error:
         text = line_of(error)

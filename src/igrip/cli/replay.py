@@ -15,13 +15,13 @@ from igrip.cli import options
 from igrip.cli.console import interruptible, output, print_json, progress, warn
 from igrip.cli.estimator_setup import warm_up
 from igrip.cli.outputs import check_file, file_option
-from igrip.cli.summaries import print_dataset, print_recording, recording_summary
+from igrip.cli.summaries import MAX_LINES, print_dataset, print_recording, recording_summary
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.defects import DefectCounts
 from igrip.io.frames import DeclaredFrame
-from igrip.io.intention_files import open_intention_writer
+from igrip.io.intention_files import ENDINGS, open_intention_writer
 from igrip.io.recordings import open_source
 from igrip.io.ros2.bag_reader import is_bag
 from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
@@ -82,7 +82,9 @@ def replay(
     for config in configs:
         TARGETS.get(config.targets)
     if out is not None:
-        check_file(Path(str(out).removeprefix("jsonl:").removeprefix("mcap:")))
+        named = str(out).partition(":")  # jsonl:/dev/stdout has no ending
+        is_named = named[0] in ("jsonl", "mcap") and bool(named[1])
+        check_file(Path(named[2]) if is_named else out, () if is_named else ENDINGS)
     if not recording.exists():
         raise RecordingError(f"{recording}: no such file or folder")
     frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
@@ -179,6 +181,8 @@ def _replay_dataset(
     summary |= {"processes": jobs, "seconds": elapsed, "times_real_time": recorded / elapsed}
     if as_json:
         print_json(summary)
+        for text in sorted({row["remark"] for row in summary["remarks"]})[:MAX_LINES]:
+            warn(text)
     else:
         print_dataset(output, summary)
     if summary["problems"]:

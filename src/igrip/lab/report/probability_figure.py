@@ -19,7 +19,7 @@ NONE = "none"
 # Okabe & Ito (2008), told apart by the colour-blind; line styles tell them apart without colour
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")
 STYLES = ("-", "--", "-.", ":")
-MAX_GAP = 0.25  # s; a longer one is no sampling interval of hands
+GAP = 2.5  # median intervals between messages; a longer one is a gap
 
 
 def plot_probability(
@@ -29,7 +29,7 @@ def plot_probability(
     hand: str | None = None,
     recording: str | None = None,
     targets: str | None = None,
-    max_gap: float = MAX_GAP,
+    max_gap: float | None = None,
 ) -> Any:
     """Draw the probability of each object, and of none, over time: one panel per hand.
 
@@ -44,8 +44,9 @@ def plot_probability(
         Write the figure here; the ending selects the format (.png, .svg, .pdf).
     hand, recording, targets : str, optional
         Draw these alone; needed where a file holds several recordings or estimators.
-    max_gap : float
-        Lines are interrupted where no message came for longer [s].
+    max_gap : float, optional
+        Lines are interrupted where no message of the hand came for longer [s]. Default: 2.5 times
+        the median interval, so that one lost message is no gap.
 
     Returns
     -------
@@ -88,12 +89,16 @@ def plot_probability(
 
 
 def courses_of(
-    intentions: Sequence[Intention], names: Sequence[str], max_gap: float = MAX_GAP
+    intentions: Sequence[Intention], names: Sequence[str], max_gap: float | None = None
 ) -> tuple[Array, Array]:
     """Return times (n,) [s] and the probabilities (len(names), n) of one hand; NaN interrupts.
 
-    A sample of NaN stands within each gap longer than ``max_gap`` [s].
+    A sample of NaN stands within each gap longer than ``max_gap`` [s] (default: 2.5 times the
+    median interval).
     """
+    if max_gap is None:
+        intervals = np.diff([intention.t for intention in intentions])
+        max_gap = GAP * float(np.median(intervals)) if len(intervals) else np.inf
     times: list[float] = []
     values: list[list[float]] = []
     missing = [np.nan] * len(names)
