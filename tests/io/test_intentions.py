@@ -105,7 +105,7 @@ def test_what_is_no_intention_is_named_with_its_line(tmp_path):
         read_intentions(path)
     with pytest.raises(RecordingError, match="intention 2: is no intention"):
         read_intentions([FULL, {"t": 1}])
-    with pytest.raises(RecordingError, match="none.jsonl"):
+    with pytest.raises(RecordingError, match=r"none\.jsonl"):
         read_intentions(tmp_path / "none.jsonl")
     with pytest.raises(RecordingError, match=r"pandas\.read_parquet"):
         read_intentions("x.parquet")
@@ -158,8 +158,7 @@ def test_the_error_without_the_packages_names_the_extra(tmp_path, monkeypatch, p
         return real(name, *arguments, **options)
 
     monkeypatch.setattr(builtins, "__import__", without)
+    use = {"pandas": read_intentions(ALL).to_frame,
+           "pyarrow": lambda: open_intention_writer(tmp_path / "i.parquet")}  # fmt: skip
     with pytest.raises(MissingExtraError, match=r"igrip\[tables\]"):
-        if package == "pandas":
-            read_intentions(ALL).to_frame()
-        else:
-            open_intention_writer(tmp_path / "i.parquet")
+        use[package]()

@@ -71,10 +71,11 @@ class LazyGroup(TyperGroup):
         self.commands: Any = COMMANDS  # what a mistyped name is compared with
 
     def main(
-        self, args: Sequence[str] | None = None, prog_name: str | None = None, **extra: Any
-    ) -> NoReturn:
+        self, args: Sequence[str] | None = None, prog_name: str | None = None,
+        complete_var: str | None = None, standalone_mode: bool = True,
+        windows_expand_args: bool = True, **extra: Any,
+    ) -> NoReturn:  # fmt: skip
         """Run the command that the arguments name, and exit as every command does."""
-        extra.pop("standalone_mode", None)
         arguments = list(sys.argv[1:] if args is None else args)
 
         def run() -> None:

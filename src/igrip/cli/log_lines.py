@@ -44,14 +44,16 @@ def keep_apart() -> None:
     igrip's own lines go to a copy of it, and what arrives at the original is discarded. What a
     library reports as an exception is printed as before.
     """
-    if os.environ.get(VERBOSE) or sys.stderr is None or sys.stderr is not sys.__stderr__:
+    if os.environ.get(VERBOSE) or sys.stderr is not sys.__stderr__:
+        return
+    own = sys.stderr
+    if own is None:  # a program without a terminal
         return
     logging.captureWarnings(True)
     logging.getLogger().addHandler(logging.NullHandler())  # in place of the handler of last resort
-    sys.stderr.flush()
-    copy = os.dup(2)
-    sys.stderr = sys.__stderr__ = open(  # noqa: SIM115 - as long as the process
-        copy, "w", encoding=sys.stderr.encoding, errors="backslashreplace", buffering=1
+    own.flush()
+    sys.stderr = open(  # noqa: SIM115 - as long as the process
+        os.dup(2), "w", encoding=own.encoding, errors="backslashreplace", buffering=1
     )
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)

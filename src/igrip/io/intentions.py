@@ -122,7 +122,8 @@ def read_intentions(source: str | Path | Iterable[Item]) -> Intentions:
         items: Iterator[tuple[str, Item]] = _items_of(Path(source))
     else:
         items = ((f"intention {n}", item) for n, item in enumerate(source, start=1))
-    intentions, origins = [], []
+    intentions: list[Intention] = []
+    origins: list[Mapping[str, Any]] = []
     for place, item in items:
         if isinstance(item, Intention):
             intentions.append(item)
