@@ -50,11 +50,11 @@ class CommitmentConfig(Settings):
         "guess", ge=0, lt=1,
     )  # fmt: skip
     lease_duration: float = quantity(
-        0.15, "s", "a lease ends this long after the newest measurement of the hand", "DESIGN §5",
+        0.15, "s", "a lease ends this long after the newest measurement of the hand", "guess",
         gt=0,
     )  # fmt: skip
     max_pause: float = quantity(
-        0.3, "s", "after a pause no longer than this a lease resumes without a dwell", "DESIGN §5",
+        0.3, "s", "after a pause no longer than this a lease resumes without a dwell", "guess",
         ge=0,
     )  # fmt: skip
     veto_rest_duration: float = quantity(
