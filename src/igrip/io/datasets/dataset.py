@@ -1,4 +1,4 @@
-"""Datasets: a folder of recordings with a table of trials (DESIGN §4)."""
+"""Datasets: a folder of recordings with a table of trials; docs/datasets.md has the format."""
 
 from __future__ import annotations
 
