@@ -9,7 +9,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, progress, table_of, warn
-from igrip.config import Config
+from igrip.cli.estimator_setup import base_config, with_targets
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
@@ -27,11 +27,16 @@ def evaluate(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder of the report.")],
     targets: Annotated[
         list[str] | None,
-        typer.Option(help="Targets estimator; repeatable. Default: all that are known."),
+        typer.Option(
+            help="Targets estimator; repeatable. Default: all that are known, with "
+            "--config the one it names."
+        ),
     ] = None,
+    config: options.ConfigFile = None,
     grips: Annotated[
-        str, typer.Option(help="Grip selector: contact, or cylinder (the paper's).")
-    ] = Config().grips,
+        str | None,
+        typer.Option(help="Grip selector: contact (default), or cylinder (the paper's)."),
+    ] = None,
     objects: options.Objects = None,
     limit: options.Limit = 0,
     trial: Annotated[
@@ -52,11 +57,14 @@ def evaluate(
     with requires_extra("pandas", "report", "the evaluation"):
         from igrip.lab.evaluation.summary import frame_of, summarise
         from igrip.lab.report.page import write_report
-    names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
+    base = base_config(config)
+    named = targets or ([base.targets] if config is not None else TARGETS.names())
+    names = list(dict.fromkeys(targets or sorted(named, key=_order)))
     for name in names:
         TARGETS.get(name)
-    GRIPS.get(grips)
-    configs = [Config(targets=name, grips=grips) for name in names]
+    GRIPS.get(grips or base.grips)
+    base = base.model_copy(update={"grips": grips or base.grips})
+    configs = [with_targets(base, name) for name in names]
     opened = Dataset.open(dataset, lenient=True)
     chosen = spread(opened.trials, limit)
     if trial is not None and trial not in {t.recording for t in chosen}:

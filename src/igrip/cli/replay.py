@@ -13,6 +13,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import output, print_json, progress, warn
+from igrip.cli.estimator_setup import base_config, with_targets
 from igrip.cli.summaries import print_dataset, print_recording, recording_summary
 from igrip.config import Config
 from igrip.errors import RecordingError
@@ -39,6 +40,7 @@ def replay(
         list[str] | None,
         typer.Option(help="Targets estimator; repeatable over a dataset. Default: the library's."),
     ] = None,
+    config: options.ConfigFile = None,
     objects: options.Objects = None,
     out: Annotated[
         Path | None,
@@ -64,9 +66,10 @@ def replay(
 
     Example: igrip replay near-far --targets paper --targets repaired
     """
-    configs = [Config(targets=name) for name in targets or [Config().targets]]
-    for config in configs:
-        TARGETS.get(config.targets)
+    base = base_config(config)
+    configs = [with_targets(base, name) for name in targets or [base.targets]]
+    for one in configs:
+        TARGETS.get(one.targets)
     if not recording.exists():
         raise RecordingError(f"{recording}: no such file or folder")
     frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
