@@ -60,7 +60,7 @@ def draw_front(points: Sequence[Mapping[str, Any]], present: Mapping[str, Any]) 
     axes.set_xlabel("mean part of the movement at the first commitment [%]")
     axes.set_ylabel("[%]")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, loc="lower left")
     return figure
 
 
