@@ -9,6 +9,7 @@ from igrip.lab.tuning.outcomes import Outcomes, Replay, outcome
 from igrip.lab.tuning.space import SPACE, is_upstream, values_of, with_values
 
 RATE, SECONDS = 20, 2.0
+UNSURE = 0.75  # the threshold of the default is 0.788
 QUICK_SPACE = [p for p in SPACE if not is_upstream(p.key)]
 PRESENT = values_of(Config(), QUICK_SPACE)
 
@@ -36,18 +37,26 @@ def unsure(count, seed=0):
     random = np.random.default_rng(seed)
     starts = random.uniform(0.2, 0.4, count)
     return [
-        reach(k, lambda part, s=s: ("cup", 0.3 if part < s else 0.7)) for k, s in enumerate(starts)
+        reach(k, lambda part, s=s: ("cup", 0.3 if part < s else UNSURE))
+        for k, s in enumerate(starts)
     ]
 
 
 def misleading(count, seed=0):
-    """Return a person for whom the default is right: below its threshold, it is the wrong one."""
+    """Return a person for whom the default is right.
+
+    Just below its threshold is the wrong object, just above it the right one; and for just less
+    than its dwell the wrong one is above it.
+    """
     random = np.random.default_rng(seed)
-    starts = random.uniform(0.4, 0.5, count)
-    return [
-        reach(k, lambda part, s=s: ("can", 0.77) if part < s else ("cup", 0.80))
-        for k, s in enumerate(starts)
-    ]
+
+    def course(part, start):
+        if part * SECONDS * RATE < start - 3.5:
+            return "can", 0.77
+        return ("can", 0.9) if part * SECONDS * RATE < start - 0.5 else ("cup", 0.8)
+
+    starts = random.integers(16, 20, count)
+    return [reach(k, lambda part, s=s: course(part, s)) for k, s in enumerate(starts)]
 
 
 def work_out(replays):

@@ -13,7 +13,7 @@ from igrip.lab.evaluation.calibration import interval_over_groups
 from igrip.lab.tuning.outcomes import Outcomes
 from igrip.lab.tuning.space import first_candidates, with_values
 from igrip.lab.tuning.tuning import Tuning
-from tuned_people import PRESENT, QUICK_SPACE, misleading, unsure, work_out
+from tuned_people import PRESENT, QUICK_SPACE, UNSURE, misleading, unsure, work_out
 
 FIRST = first_candidates(Config(), QUICK_SPACE)
 
@@ -27,12 +27,12 @@ def tuned(replays, limit=30, groups=None, **options):
 
 
 def test_a_lower_threshold_is_found_for_a_person_of_whom_the_estimator_is_never_sure():
-    replays = unsure(16)
+    replays = unsure(20)
     _, decision = tuned(replays)
     assert decision.tuned
     assert not decision.present.committed.any()
     assert decision.interval[0] > 0.0
-    assert with_values(Config(), decision.values).commitment.threshold <= 0.7
+    assert with_values(Config(), decision.values).commitment.threshold <= UNSURE
     new = work_out(unsure(40, seed=1))(decision.values)  # the same person on another day
     assert new.committed.all()
     assert new.right.all()
@@ -81,7 +81,7 @@ def test_the_interval_covers_the_mean():
 
 
 def test_a_choice_never_sees_the_participant_it_is_judged_on():
-    people = [one._replace(participant=f"p{k % 4}") for k, one in enumerate(unsure(20))]
+    people = [one._replace(participant=f"p{k % 4}") for k, one in enumerate(unsure(24))]
     groups = [one.participant for one in people]
     _, before = tuned(people, groups=groups, cohort=True)
     assert [{groups[k] for k in fold.trials} for fold in before.folds] == [

@@ -12,7 +12,7 @@ from igrip.lab.evaluation.commitments import MessageEvidence
 from igrip.lab.evaluation.runner import TrialRun, count_jobs, run_trials, spread
 from igrip.lab.evaluation.trial_description import NO_REACH, find_problem
 from igrip.lab.tuning.outcomes import Outcomes, Replay, outcome
-from igrip.lab.tuning.space import Values, is_upstream, with_values
+from igrip.lab.tuning.space import Values, with_values
 from igrip.objects.catalog import Catalog
 
 UNKNOWN = "unknown"  # the participant of trials without one
@@ -106,15 +106,17 @@ class Replays:
 
     def outcomes(self, values: Values) -> Outcomes:
         """Return what came of the usable trials with other numbers in the configuration."""
+        commitment = with_values(self._config, values).commitment
+        return Outcomes.of([outcome(replay, commitment) for replay in self.replayed(values)])
+
+    def replayed(self, values: Values) -> list[Replay]:
+        """Return the usable trials with other numbers before the commitment."""
         config = with_values(self._config, values)
-        replays = self.usable
-        if any(is_upstream(key) for key in values):
-            key = config.motion.model_dump_json()
-            if key not in self._known:
-                results = self._replay(config, self._trials)
-                self._known[key] = [one for one in results if isinstance(one, Replay)]
-            replays = self._known[key]
-        return Outcomes.of([outcome(replay, config.commitment) for replay in replays])
+        key = config.motion.model_dump_json()
+        if key not in self._known:
+            results = self._replay(config, self._trials)
+            self._known[key] = [one for one in results if isinstance(one, Replay)]
+        return self._known[key]
 
     def _replay(self, config: Config, trials: Sequence[Trial]) -> list[Replay | Unusable]:
         jobs = count_jobs(self._jobs, len(trials))

@@ -169,12 +169,19 @@ def open_storage(path: Path) -> Any:
     with requires_extra("optuna", "tune", "tuning"):
         import optuna
         from sqlalchemy.exc import SQLAlchemyError
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    silence()
     try:
         return optuna.storages.RDBStorage(f"sqlite:///{path}")
     except (SQLAlchemyError, RuntimeError) as error:
         problem = str(error).splitlines()[0]
         raise IgripError(f"{path}: {problem}; delete it to begin anew") from error
+
+
+def silence() -> None:
+    """Let Optuna report no more than warnings: the commands show their own progress."""
+    with requires_extra("optuna", "tune", "tuning"):
+        import optuna
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
 
 
 def _on_grid(value: float, distribution: Any) -> float:
