@@ -21,6 +21,7 @@ COMMANDS = {
     "replay": "Run estimators over recordings and summarise the answers.",
     "evaluate": "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, "
     "figures.",
+    "tune": "Tune commitments to one person, from 8 to 50 of their trials, or to a cohort.",
     "simulate": "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
     "stream": "Receive observations from other programs and send them intentions, until Ctrl-C.",
     "view": "Look at a recording in the browser: play, pause, step, and go to any time.",

@@ -17,9 +17,8 @@ from igrip.cli.console import (
     table_of,
     warn,
 )
-from igrip.cli.estimator_setup import warm_up
+from igrip.cli.estimator_setup import base_config, warm_up, with_targets
 from igrip.cli.outputs import folder_option
-from igrip.config import Config
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
@@ -40,11 +39,16 @@ def evaluate(
     ],
     targets: Annotated[
         list[str] | None,
-        typer.Option(help=f"{options.TARGETS_HELP} Repeatable. Default: all of them."),
+        typer.Option(
+            help=f"{options.TARGETS_HELP} Repeatable. Default: all of them; with --config, the one "
+            "it names."
+        ),
     ] = None,
+    config: options.ConfigFile = None,
     grips: Annotated[
-        str, typer.Option(help="Grip selector: contact, or cylinder (the paper's).")
-    ] = Config().grips,
+        str | None,
+        typer.Option(help="Grip selector: contact (default), or cylinder (the paper's)."),
+    ] = None,
     objects: options.Objects = None,
     limit: options.Limit = 0,
     trial: Annotated[
@@ -62,22 +66,25 @@ def evaluate(
 
     Example: igrip evaluate cohort --out report --targets paper --targets repaired
     """
-    names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
+    base = base_config(config)
+    named = targets or ([base.targets] if config is not None else TARGETS.names())
+    names = list(dict.fromkeys(targets or sorted(named, key=_order)))
     for name in names:
         TARGETS.get(name)
-    GRIPS.get(grips)
+    base = base.model_copy(update={"grips": grips or base.grips})
+    GRIPS.get(base.grips)
+    configs = [with_targets(base, name) for name in names]
     with requires_extra("pandas", "report", "the evaluation"):
         from igrip.lab.evaluation.summary import frame_of, summarise
         from igrip.lab.report.page import write_report
-    configs = [Config(targets=name, grips=grips) for name in names]
     opened = Dataset.open(dataset, lenient=True)
     chosen = spread(opened.trials, limit)
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
     evaluation = Evaluation(opened, configs, out, objects or ())
     if count_jobs(jobs, len(chosen)) > 1:
-        for config in configs:
-            warm_up(config, evaluation.catalog)  # once here, not in each process
+        for each in configs:
+            warm_up(each, evaluation.catalog)  # once here, not in each process
     kept = f"what is done is kept in {out}; the same command goes on from there"
     with interruptible(kept), progress(f"evaluating {opened.name}", len(chosen)) as update:
         for done in evaluation.run(chosen, jobs):

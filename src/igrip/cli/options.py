@@ -36,10 +36,15 @@ Assisted = Annotated[
     typer.Option(help="A hand that a device assists; repeatable. No other gets a commitment. "
                  "Default: every hand."),
 ]  # fmt: skip
+ConfigFile = Annotated[
+    Path | None,
+    typer.Option("--config", help="Configuration: a TOML file with the keys of "
+                 "docs/configuration.md, such as igrip tune writes. Other options outdo it."),
+]  # fmt: skip
 Reliability = Annotated[
-    float,
-    typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all.",
-                 min=0.0, max=1.0),
+    float | None,
+    typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all. Default: the "
+                 "configuration's, or the library's.", min=0.0, max=1.0),
 ]  # fmt: skip
 Person = Annotated[
     Path | None,

@@ -13,7 +13,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import interruptible, output, print_json, progress, warn
-from igrip.cli.estimator_setup import warm_up
+from igrip.cli.estimator_setup import base_config, warm_up, with_targets
 from igrip.cli.outputs import check_file, file_option
 from igrip.cli.summaries import MAX_LINES, print_dataset, print_recording, recording_summary
 from igrip.config import Config
@@ -28,7 +28,6 @@ from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_rep
 from igrip.lab.evaluation.runner import EstimatorRun, count_jobs, run_trials, spread
 from igrip.lab.report.probability_figure import plot_probability
 from igrip.objects.catalog import load_objects
-from igrip.targets import TARGETS
 
 
 def replay(
@@ -45,6 +44,7 @@ def replay(
             help=f"{options.TARGETS_HELP} Repeatable over a dataset. Default: the library's, bayes."
         ),
     ] = None,
+    config: options.ConfigFile = None,
     objects: options.Objects = None,
     out: Annotated[
         Path | None,
@@ -78,9 +78,8 @@ def replay(
 
     Example: igrip replay reach.jsonl --out intentions.csv --plot probability.svg
     """
-    configs = [Config(targets=name) for name in targets or [Config().targets]]
-    for config in configs:
-        TARGETS.get(config.targets)
+    base = base_config(config)
+    configs = [with_targets(base, name) for name in targets or [base.targets]]
     if out is not None:
         named = str(out).partition(":")  # jsonl:/dev/stdout has no ending
         is_named = named[0] in ("jsonl", "mcap") and bool(named[1])

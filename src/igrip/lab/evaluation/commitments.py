@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -36,10 +36,16 @@ class Lease(NamedTuple):
 
 def find_leases(messages: Iterable[MessageEvidence], config: CommitmentConfig) -> list[Lease]:
     """Return the leases that begin in a recording, as if nobody had to confirm them."""
+    return list(iterate_leases(messages, config))
+
+
+def iterate_leases(
+    messages: Iterable[MessageEvidence], config: CommitmentConfig
+) -> Iterator[Lease]:
+    """Yield them as they begin: who wants the first alone need not wait for the others."""
     config = config.model_copy(update={"needs_confirmation": False})
     committers: dict[str, Committer] = {}
     newest: dict[str, tuple[str, float]] = {}
-    leases = []
     for message in messages:
         for hand in message.rejected & committers.keys():
             committers[hand].reject()
@@ -50,9 +56,8 @@ def find_leases(messages: Iterable[MessageEvidence], config: CommitmentConfig) -
             if lease is None:
                 continue
             if newest.get(hand) != (lease.target, lease.since):
-                leases.append(Lease(evidence.t, hand, lease.target))
+                yield Lease(evidence.t, hand, lease.target)
             newest[hand] = lease.target, lease.since
-    return leases
 
 
 def first_commitments(
