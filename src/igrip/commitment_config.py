@@ -23,7 +23,7 @@ class CommitmentConfig(Settings):
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
     reliability: float = quantity(
-        0.6, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
+        0.65, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
     )  # fmt: skip
     min_threshold: float = quantity(
