@@ -77,7 +77,7 @@ pictures: $(READY)  ## draw the pictures of the documentation (after make system
 	$(BIN)/python docs/make_pictures.py
 
 docs: $(READY)  ## build the documentation site into build/site; a warning is an error
-	PYTHONPATH=docs $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=docs $(BIN)/mkdocs build --strict --quiet
 
 gallery: $(READY)  ## run every example and write the gallery with its pictures
 	$(BIN)/python docs/make_gallery.py

@@ -19,11 +19,11 @@ the command can run. `--json`, where a command has it, prints one JSON object fo
 """
 # run in this order in one folder: later ones use what earlier ones wrote
 RUNS = (
-    ("simulate", "cohort --participants 1 --trials 6 --no-reach 0"),
+    ("simulate", "cohort --participants 1 --trials 6 --no-reach 0 --seed 1"),
     ("check", "cohort"),
     ("replay", "cohort --targets bayes --targets paper"),
     ("evaluate", "cohort --out report"),
-    ("import", "--inspect take1.csv"),
+    ("import", "--inspect take1.csv --input-rate 100 --unit mm"),
     ("grips", ""),
 )
 ENVIRONMENT = {**os.environ, "COLUMNS": "96", "TERM": "dumb", "NO_COLOR": "1"}

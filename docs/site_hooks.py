@@ -11,6 +11,8 @@ from typing import Any
 from griffe import Docstring, DocstringSectionKind
 from latex2mathml.converter import convert
 
+from igrip import Observation
+
 DOCS = Path(__file__).parent
 _SCHEMA = re.compile(r"^\{\{ schema (\w+) \}\}$", re.MULTILINE)
 _INLINE = re.compile(r"(?<![\w\\$])\$([^$\n]+)\$(?!\w)")
@@ -41,8 +43,10 @@ def schema_table(name: str) -> str:
         if definition.get("type") != "object":
             continue
         required = definition.get("required", [])
-        meaning = _meanings(definition.get("description", ""))
-        lines += ["", f"### {title}", "", "| field | type | default | meaning |", f"|{' --- |' * 4}"]
+        text = Observation.__doc__ if title == "Message" else definition.get("description")
+        meaning = _meanings(text or "")
+        lines += ["", *([] if title == own else [f"### {title}", ""])]
+        lines += ["| field | type | default | meaning |", f"|{' --- |' * 4}"]
         for field, kind in definition["properties"].items():
             default = "required" if field in required else json.dumps(kind.get("default"))
             cells = (f"`{field}`", _type(kind), default, meaning.get(field, ""))

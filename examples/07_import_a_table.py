@@ -34,9 +34,9 @@ x = 50
 y = 400
 z = 0
 """)
-command = [sys.executable, "-m", "igrip", "import", folder / "take1.csv"]
-command += ["--columns", folder / "map.toml", "--out", folder / "ours"]
-print(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+command = [sys.executable, "-m", "igrip", "import", "take1.csv"]
+command += ["--columns", "map.toml", "--out", "ours"]
+print(subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout)
 
 recording = next((folder / "ours" / "recordings").iterdir())
 messages = list(igrip.open_source(recording))

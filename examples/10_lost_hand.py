@@ -34,7 +34,7 @@ for row, (label, faults) in enumerate(
     axes.text(0.05, row + 0.32, label)
     longest = max(b - a for (a, _), (b, _) in zip(ends, ends[1:], strict=False))
     print(f"{label}: longest time without a lease {longest:.2f} s")
-axes.axvspan(lost_at, lost_at + 0.25, color="0.85", hatch="..", label="hand not seen")
+axes.axvspan(lost_at, lost_at + 0.25, color="0.85", hatch="..", zorder=0, label="not seen")
 axes.axvline(task.end, linestyle=":", color="0.2", label="end of the movement")
 axes.set(xlabel="time [s]", yticks=[], ylim=(-0.5, 1.7), xlim=(0, None), title="leases")
 axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
