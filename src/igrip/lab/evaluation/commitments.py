@@ -86,6 +86,12 @@ def first_commitments(
     }
 
 
+def at_default(curve: Iterable[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return the entry at the default reliability of :func:`summarise_commitments`, if any."""
+    default = CommitmentConfig().reliability
+    return next((entry for entry in curve if entry["reliability"] == default), None)
+
+
 def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dict[str, Any]]:
     """Return one entry for each reliability.
 
