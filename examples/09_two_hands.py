@@ -23,7 +23,8 @@ for frame in range(46):
         hand: {"position": [a + done * (b - a) for a, b in zip(start, ends[hand], strict=True)]}
         for hand, start in starts.items()
     }
-    for intention in estimator.update(igrip.Observation(t=frame / 30, hands=hands, objects=objects)):
+    observation = igrip.Observation(t=frame / 30, hands=hands, objects=objects)
+    for intention in estimator.update(observation):
         probability[intention.hand].append((intention.t, intention.probability or {}))
 
 figure, all_axes = plt.subplots(2, sharex=True, figsize=(6, 4), layout="constrained")

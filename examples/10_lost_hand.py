@@ -1,6 +1,7 @@
 """The camera loses the hand in mid-reach: the lease ends, and begins again when it is back."""
 
 import sys
+from itertools import pairwise
 
 import matplotlib.pyplot as plt
 
@@ -32,7 +33,7 @@ for row, (label, faults) in enumerate(
     for begin, end in ends:
         axes.barh(row, min(end, begin + 0.04) - begin, left=begin, height=0.5, color="tab:blue")
     axes.text(0.05, row + 0.32, label)
-    longest = max(b - a for (a, _), (b, _) in zip(ends, ends[1:], strict=False))
+    longest = max(b - a for (a, _), (b, _) in pairwise(ends))
     print(f"{label}: longest time without a lease {longest:.2f} s")
 axes.axvspan(lost_at, lost_at + 0.25, color="0.85", hatch="..", zorder=0, label="not seen")
 axes.axvline(task.end, linestyle=":", color="0.2", label="end of the movement")

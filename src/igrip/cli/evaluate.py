@@ -11,6 +11,7 @@ from igrip.cli import options
 from igrip.cli.console import (
     errors,
     interruptible,
+    number,
     output,
     print_json,
     progress,
@@ -23,6 +24,7 @@ from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.evaluation import Evaluation
+from igrip.lab.evaluation.predicted_times import PARTS
 from igrip.lab.evaluation.runner import count_jobs, spread
 from igrip.targets import TARGETS
 
@@ -109,6 +111,41 @@ def _order(name: str) -> tuple[int, str]:
     return (USUAL.index(name) if name in USUAL else len(USUAL), name)
 
 
+def _commitments(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[Any]]:
+    """Return title, columns and rows of the first commitments."""
+    from igrip.lab.report.page import percent
+
+    firsts = {name: s["first_commitments"]["all"] for name, s in summary["targets"].items()}
+    rows = [
+        (
+            name, *(percent(first.get(key)) for key in ("committed", "right", "mean_part")),
+            number(first.get("false_per_minute")),
+        )
+        for name, first in firsts.items() if first
+    ]  # fmt: skip
+    reliability = next((one["reliability"] for one in firsts.values() if one), None)
+    columns = ("targets", "committed", "right", "mean part", "false a minute")
+    return f"First commitments, all trials, reliability {reliability}", columns, rows
+
+
+def _times(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[Any]]:
+    """Return title, columns and rows of the predicted times."""
+    from igrip.lab.report.page import error, percent
+
+    def held(one: dict[str, Any]) -> str:
+        return percent(one.get("held"))
+
+    cells = (error, held)
+    rows = [
+        (name, event, *(cell(parts.get(f"{part:.0%}", {})) for part in PARTS for cell in cells))
+        for name, scores in summary["targets"].items()
+        for event, parts in scores["times"]["all"].items() if parts
+    ]  # fmt: skip
+    columns = ("targets", "", *(text for part in PARTS for text in (f"at {part:.0%}", "held")))
+    title = "Predicted times: error in ms (median / 90 %), and what the 80 % intervals held"
+    return title, columns, rows
+
+
 def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
     from igrip.lab.report.page import clean, percent, seconds
 
@@ -135,6 +172,9 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
             percent(accuracy.get("40%")), percent(accuracy.get("60%")),
         ))  # fmt: skip
     output.print(table_of(columns, rows))
+    for title, heads, cells in (_commitments(summary), _times(summary)):
+        if cells:
+            output.print(table_of(heads, cells, title))
     output.print(
         f"{summary['valid']} of {summary['reaches']} reaches valid, "
         f"{len(summary['excluded'])} recordings excluded; {out / 'report.html'}",

@@ -13,10 +13,14 @@ from igrip.lab.evaluation.recorded_trial import Bounds
 if TYPE_CHECKING:
     import pandas as pd
 
-RELIABILITIES = tuple(
-    sorted({*(round(0.1 * k, 1) for k in range(11)), CommitmentConfig().reliability})
-)
-"""Reliabilities at which commitments are evaluated; the default is among them."""
+
+def reliabilities(configured: float) -> tuple[float, ...]:
+    """Return the reliabilities at which commitments are evaluated; the configured is among them."""
+    return tuple(sorted({*(round(0.1 * k, 1) for k in range(11)), configured}))
+
+
+RELIABILITIES = reliabilities(CommitmentConfig().reliability)
+"""Those of the default configuration."""
 
 
 class MessageEvidence(NamedTuple):
@@ -69,20 +73,21 @@ def first_commitments(
 ) -> dict[str, Any]:
     """Return, for each reliability, when and how rightly a trial's hand was first committed for.
 
-    Of a reach: ``commit_part``, the part of the movement at the first lease (0 before the onset,
-    None without one until the end), ``commit_right`` whether it was for the target. Of a recording
-    without one: ``commits``, how many leases began.
+    ``reliability`` is the configured one. Of a reach: ``commit_part``, the part of the movement at
+    the first lease (0 before the onset, None without one until the end), ``commit_right`` whether
+    it was for the target. Of a recording without one: ``commits``, how many leases began.
     """
     messages = list(messages)
     curve = [
         find_leases(messages, config.model_copy(update={"reliability": reliability}))
-        for reliability in RELIABILITIES
+        for reliability in reliabilities(config.reliability)
     ]
+    configured = {"reliability": config.reliability}
     if bounds is None:
-        return {"commits": [len(leases) for leases in curve]}
+        return configured | {"commits": [len(leases) for leases in curve]}
     onset, end = bounds
     firsts = [next((s for s in leases if s.hand == hand and s.t <= end), None) for leases in curve]
-    return {
+    return configured | {
         "commit_part": [
             None if first is None else max(0.0, (first.t - onset) / (end - onset))
             for first in firsts
@@ -91,7 +96,20 @@ def first_commitments(
     }
 
 
-def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dict[str, Any]]:
+def configured_reliability(rows: pd.DataFrame) -> float:
+    """Return the reliability that the trials of one estimator were evaluated with."""
+    known = rows["reliability"].dropna().tolist() if "reliability" in rows else []
+    return float(known[0]) if known else CommitmentConfig().reliability
+
+
+def at(reliability: float, curve: Iterable[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return the entry of :func:`summarise_commitments` at a reliability, if any."""
+    return next((entry for entry in curve if entry["reliability"] == reliability), None)
+
+
+def summarise_commitments(
+    reaches: pd.DataFrame, none: pd.DataFrame, configured: float = CommitmentConfig().reliability
+) -> list[dict[str, Any]]:
     """Return one entry for each reliability.
 
     ``committed`` is the share of reaches with a lease before their end, ``right`` the share of
@@ -106,7 +124,7 @@ def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dic
     if not len(part) and not minutes:
         return []
     curve = []
-    for k, reliability in enumerate(RELIABILITIES):
+    for k, reliability in enumerate(reliabilities(configured)):
         entry: dict[str, Any] = {"reliability": reliability}
         if len(part):
             given = ~np.isnan(part[:, k])  # where None was

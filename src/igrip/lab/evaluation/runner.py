@@ -99,8 +99,10 @@ def run_trial(
             run.recorded.add(observation)
             for estimator in run.estimators:
                 estimator.update(observation)
+            objects = first.objects
+            run.recorded.place_target(observation.t, objects)
             if trial.onset_s is None or observation.t <= trial.onset_s or not run.objects:
-                run.objects = first.objects
+                run.objects = objects
         run.cut = describe_damage(reader)
     except IgripError as error:
         run.problem = str(error)
