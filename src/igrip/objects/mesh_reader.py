@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import trimesh
 
 MAX_BYTES = 1 << 30  # of a file
@@ -106,8 +107,13 @@ def _check_archive(data: bytes) -> None:
 
 
 def _check_faces(loaded: Any) -> None:
-    """Count the faces before bodies that are placed many times become one mesh."""
-    if not isinstance(loaded, trimesh.Scene):
+    """Check the corners, and count the faces of bodies that are placed many times."""
+    scene = isinstance(loaded, trimesh.Scene)
+    for body in loaded.geometry.values() if scene else (loaded,):
+        corners = np.asarray(getattr(body, "faces", ()))
+        if corners.size and not 0 <= corners.min() <= corners.max() < len(body.vertices):
+            raise ValueError(f"a face has corner {corners.max()} of {len(body.vertices)}")
+    if not scene:
         return
     faces = {name: len(getattr(body, "faces", ())) for name, body in loaded.geometry.items()}
     placed = (loaded.graph[node][1] for node in loaded.graph.nodes_geometry)
