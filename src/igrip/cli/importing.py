@@ -167,7 +167,17 @@ def import_tables(
         print_json(summary)
         return
     output.print(f"{summary['trials']} trials of {summary['participants']} participants in {out}")
-    errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
+    unknown = sum(trial.target is None for trial in dataset.trials)
+    if unknown:
+        warn(
+            f"of {unknown} of {len(dataset.trials)} trials the target is not known, so they cannot "
+            "be scored: name it in trials.tsv, or in a map (igrip import --inspect … --write-map "
+            "map.toml)"
+        )
+    if unknown == len(dataset.trials):
+        errors.print(f"Next: igrip view {out}", soft_wrap=True)
+    else:
+        errors.print(f"Next: igrip replay {out} --targets paper --targets repaired", soft_wrap=True)
 
 
 def _understood(files: ImportFiles) -> list[str]:

@@ -184,7 +184,10 @@ def _replay_dataset(
             warn(text)
     else:
         print_dataset(output, summary)
-    if summary["problems"]:
+    nothing = not any(row["trials"] for row in summary["results"])
+    if nothing:
+        warn(f"no trial could be scored; next: igrip check {path}")
+    if nothing or summary["problems"]:
         raise typer.Exit(1)
 
 

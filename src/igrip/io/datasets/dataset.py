@@ -93,17 +93,20 @@ class Dataset:
             If there is none.
         """
         name = recording_name(trial.recording)
-        _check_name(name)
+        for part in name.split("/"):
+            _check_name(part)
         folder = self.path / "recordings"
         for ending in SOURCES.names():
             path = folder / f"{name}.{ending}"
             if path.is_file():
                 return path
-        there = self.recordings()
-        alike = [path for path in there if _alike(path.stem, name)]
+        there = self._by_name
+        alike = [path for known, path in there.items() if _alike(known, name)]
+        if not alike:  # a file in one of the folders may be named without it
+            alike = [path for path in there.values() if _alike(path.stem, name)]
         if len(alike) == 1:
             return alike[0]
-        names = [path.stem for path in there]
+        names = list(there)
         raise RecordingError(
             f"{folder}: no recording {name!r}{near_miss(name, names)}; found "
             f"{shortened(names, 5) or 'none'}"
@@ -112,8 +115,15 @@ class Dataset:
     def recordings(self) -> list[Path]:
         """Return the files of all recordings, also of those that no trial names."""
         folder, endings = self.path / "recordings", SOURCES.names()
-        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        inside = sorted(folder.rglob("*")) if folder.is_dir() else []
         return [path for path in inside if path.suffix.lower().lstrip(".") in endings]
+
+    @cached_property
+    def _by_name(self) -> dict[str, Path]:
+        """The recordings by their path in their folder, without the ending."""
+        folder = self.path / "recordings"
+        files = self.recordings()
+        return {path.relative_to(folder).with_suffix("").as_posix(): path for path in files}
 
     @cached_property
     def frame(self) -> DeclaredFrame:
