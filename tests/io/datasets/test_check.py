@@ -77,7 +77,7 @@ def test_a_name_in_two_folders_is_no_name(tmp_path):
     for person in ("P01", "P02"):
         (folder / person).mkdir()
         (folder / person / "reach0.jsonl").write_bytes(text)
-    with pytest.raises(RecordingError, match="no recording 'reach0'.*P01/reach0, P02/reach0"):
+    with pytest.raises(RecordingError, match=r"no recording 'reach0'.*P01/reach0, P02/reach0"):
         dataset.recording(dataset.trials[0])
 
 
