@@ -100,30 +100,27 @@ class Dataset:
             path = folder / f"{name}.{ending}"
             if path.is_file():
                 return path
-        there = self._by_name
-        alike = [path for known, path in there.items() if _alike(known, name)]
-        if not alike:  # a file in one of the folders may be named without it
-            alike = [path for path in there.values() if _alike(path.stem, name)]
+        known = self._by_name
+        alike = [path for own, path in known.items() if _alike(own, name)]
+        # a file in one of the folders may be named without it
+        alike = alike or [path for path in known.values() if _alike(path.stem, name)]
         if len(alike) == 1:
             return alike[0]
-        names = list(there)
         raise RecordingError(
-            f"{folder}: no recording {name!r}{near_miss(name, names)}; found "
-            f"{shortened(names, 5) or 'none'}"
+            f"{folder}: no recording {name!r}{near_miss(name, list(known))}; found "
+            f"{shortened(list(known), 5) or 'none'}"
         )
 
     def recordings(self) -> list[Path]:
         """Return the files of all recordings, also of those that no trial names."""
-        folder, endings = self.path / "recordings", SOURCES.names()
-        inside = sorted(folder.rglob("*")) if folder.is_dir() else []
+        inside, endings = sorted((self.path / "recordings").rglob("*")), SOURCES.names()
         return [path for path in inside if path.suffix.lower().lstrip(".") in endings]
 
     @cached_property
     def _by_name(self) -> dict[str, Path]:
         """The recordings by their path in their folder, without the ending."""
         folder = self.path / "recordings"
-        files = self.recordings()
-        return {path.relative_to(folder).with_suffix("").as_posix(): path for path in files}
+        return {p.relative_to(folder).with_suffix("").as_posix(): p for p in self.recordings()}
 
     @cached_property
     def frame(self) -> DeclaredFrame:
