@@ -204,7 +204,7 @@ TYPOS = [
     (["simulate", "new", "--profile", "strok"], "stroke"),
     (["stream", "--in", "stdni"], "stdin"),
     (["stream", "--out", "lls"], "lsl"),
-    (["view", "small", "--targets", "distnce"], "distance"),
+    (["view", "small", "--targets", "distanze"], "distance"),
 ]
 
 
