@@ -3,9 +3,8 @@
 Independent of both generators of reaches for objects that stand: a giver carries one object from
 their side of a table to a place of exchange and holds it there; the receiver's hand leaves before,
 while or after it moves, with the movements of :mod:`training.arm_movement`. Poses of objects come
-at their own rate and late.
-
-Example: python -m training.handovers --people 20
+at their own rate and late. Nothing that ships is learned from them; ``training/strangers.py``
+judges by them.
 """
 
 from __future__ import annotations
@@ -117,7 +116,8 @@ def _bring(exchange: Array, plane: Array, random: np.random.Generator) -> Array:
     """Return the path of the middle of the object, up to where the hand takes it, (n, 3)."""
     away = random.uniform([-0.3, 0.25, -0.3], [0.3, 0.6, 0.1]) * plane
     lasts = random.uniform(0.6, 1.8)
-    done = progress(np.arange(int(lasts / STEP) + 1) * STEP / lasts)[:, None]
+    times = np.arange(0.0, lasts, STEP)
+    done = progress(times / lasts)[:, None]
     lift = random.uniform(0.0, 0.15) * 4.0 * done * (1.0 - done) * [0.0, 0.0, plane[2]]
     wait = int(random.uniform(0.0, 0.5) / STEP)
     path = np.concatenate(
@@ -165,7 +165,8 @@ def record_scene(scene: Scene, sensors: Sensors, random: np.random.Generator) ->
             t=measured,
         )  # fmt: skip
 
-    messages, due = [], 0.0
+    messages: list[Observation] = []
+    due = 0.0
     standing = {f"o{k}": pose(k, place) for k, place in enumerate(scene.stand, 1)}
     for t in (np.arange(int(times[-1] * sensors.hand_rate) + 1) / sensors.hand_rate).tolist():
         seen = at(scene.palm, t) + random.normal(0.0, sensors.noise, 3)

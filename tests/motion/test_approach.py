@@ -46,8 +46,11 @@ def test_hand_and_body_that_drift_together_are_seen_as_if_both_stood():
     path = np.column_stack([TIMES, np.array([0.1, 0.4, 0.05]) + DRIFT * TIMES[:, None]])
     seen, _ = approach_of(last, path, DRIFT)
     here = DRIFT * TIMES[-1]  # the body as it is now
+    # the points are fitted, so not exactly these
     known = np.searchsorted(TIMES, seen.points[:, 0] - 1e-9)
-    np.testing.assert_allclose(seen.points[:, 1:], standing()[known] + here, atol=2e-3)  # they are fitted
+    np.testing.assert_allclose(
+        seen.points[:, 1:], standing()[known] + here, atol=2e-3
+    )  # they are fitted
     np.testing.assert_allclose(seen.now[1], last.now[1] - DRIFT)
     np.testing.assert_allclose(seen.now[0], last.now[0])
 
