@@ -199,7 +199,7 @@ def grips(contact: pd.DataFrame, paper: pd.DataFrame) -> Iterator[str]:
     gain = (found[0] - found[1]).dropna()
     rows = both["contact"].loc[gain.index]
     low, high = interval_over_groups(gain, rows["participant"])
-    yield f"\n`contact` has the grip for good {gain.mean():.3f} s [{low:.3f} to {high:.3f}] earlier than `cylinder`, mean over the trials in which both have it."
+    yield f"\n`contact` has its final correct grip {gain.mean():.3f} s [{low:.3f} to {high:.3f}] earlier than `cylinder`, mean over the trials in which both have it."
 
 
 def main() -> None:
