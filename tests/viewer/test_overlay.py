@@ -7,7 +7,8 @@ import pytest
 
 from igrip.intention import Intention
 from igrip.rgbd import Intrinsics, RgbdFrame
-from igrip.viewer.overlay import OUTLINE, TARGET, CameraView, draw_overlay, outline_of
+from igrip.viewer.overlay import CameraView, draw_overlay, outline_of
+from igrip.viewer.palette import INK, colour_of, rgb
 from support import BOX, placed
 
 SIZE = (640, 480)
@@ -22,10 +23,6 @@ def frame(world_from_camera=None):
 
 def box(shapes, at, id="thing"):
     return placed(shapes[BOX], id, np.eye(3), np.asarray(at, float))
-
-
-def has(picture, colour, near=30):
-    return (np.abs(picture.astype(int) - colour).sum(axis=2) < near).any()
 
 
 def test_an_outline_is_the_projection_of_the_corners(shapes):
@@ -51,18 +48,37 @@ def test_the_camera_may_stand_anywhere(shapes):
     assert there == pytest.approx(here)
 
 
-def test_the_target_of_a_reach_is_drawn_in_its_own_colour(shapes):
+def pixels(picture, colour, near=30):
+    return int((np.abs(picture.astype(int) - rgb(colour)).sum(axis=2) < near).sum())
+
+
+def reaching(none):
+    return Intention(
+        t=0.0, hand="right", status="reaching", target="thing", grip="palmar",
+        probability={"thing": 1.0 - none, "none": none},
+    )  # fmt: skip
+
+
+def test_a_target_has_a_dark_outline_around_its_own_colour(shapes):
     thing = box(shapes, (0.0, 0.0, 1.0))
-    said = Intention(t=0.0, hand="right", status="reaching", target="thing", grip="palmar")
-    landmarks = {"right": np.random.default_rng(0).uniform(100, 300, (21, 2))}
     plain = draw_overlay(CameraView(frame(), {}, [thing], []))
     assert plain.shape == (480, 640, 3)
-    assert has(plain, OUTLINE)
-    assert not has(plain, TARGET)
-    chosen = draw_overlay(CameraView(frame(), landmarks, [thing], [said]))
-    assert has(chosen, TARGET)
+    assert pixels(plain, colour_of(0)) > 100
+    assert pixels(plain, INK) == 0
+    chosen = draw_overlay(CameraView(frame(), {}, [thing], [reaching(none=0.1)]))
+    assert pixels(chosen, colour_of(0)) > 100
+    assert pixels(chosen, INK) > 100
+    undecided = draw_overlay(CameraView(frame(), {}, [thing], [reaching(none=0.9)]))
+    assert pixels(undecided, INK) == 0
     idle = Intention(t=0.0, hand="right", status="idle", target="thing", grip="palmar")
-    assert not has(draw_overlay(CameraView(frame(), {}, [thing], [idle])), TARGET)
+    assert pixels(draw_overlay(CameraView(frame(), {}, [thing], [idle])), INK) == 0
+
+
+def test_an_object_has_the_colour_of_its_number(shapes):
+    thing = box(shapes, (0.0, 0.0, 1.0))
+    third = draw_overlay(CameraView(frame(), {}, [thing], []), looks={"thing": 2})
+    assert pixels(third, colour_of(2)) > 100
+    assert pixels(third, colour_of(0)) == 0
 
 
 def test_words_stay_within_the_picture_whatever_they_are(shapes):

@@ -37,9 +37,3 @@ def live_table(
     table.caption = "\n".join(describe(intention) for intention in intentions) or "no hand yet"
     table.caption_justify = "left"
     return table
-
-
-def markdown_of(report: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the table for the page, in Markdown."""
-    lines = [COLUMNS, ["---"] * len(COLUMNS), *rows_of(report)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
