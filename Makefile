@@ -10,7 +10,7 @@ REACHES ?= ../shared/data/wispinski2021
 SHARED ?= ../shared/data
 
 .PHONY: help demo test test-slow test-busy coverage lint types contract unit hooks dist lines \
-	schemas system clean bench pictures report golden train estimators
+	docs gallery commands schemas system clean bench pictures report golden train estimators
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
@@ -67,7 +67,7 @@ clean:  ## remove the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,bench,training,outputs,ros2,mcap,hands,poses,meshes]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs]'
 	touch $@
 
 bench: $(READY)  ## measure the speed beside other engines; the picture of docs/benchmarks.md
@@ -75,6 +75,15 @@ bench: $(READY)  ## measure the speed beside other engines; the picture of docs/
 
 pictures: $(READY)  ## draw the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py
+
+docs: $(READY)  ## build the documentation site into build/site; a warning is an error
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=docs $(BIN)/mkdocs build --strict --quiet
+
+gallery: $(READY)  ## run every example and write the gallery with its pictures
+	$(BIN)/python docs/make_gallery.py
+
+commands: $(READY)  ## write the page of all commands
+	$(BIN)/python docs/make_commands.py
 
 report: $(READY)  ## write the report of a small cohort in the documentation
 	$(BIN)/python docs/make_report.py

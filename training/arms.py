@@ -66,11 +66,11 @@ def simulate_arm(seed: int, number: int) -> list[Recording]:
     layout = "plane" if arm.planar else str(random.choice(LAYOUTS))
     rate, noise = float(random.choice(RATES)), float(random.choice(NOISES))
     trials = [_trial(arm, layout, random) for _ in range(TRIALS)]
-    return [_record(f"a{number}", t, rate, noise, random) for t in trials if t is not None]
+    return [record_trial(f"a{number}", t, rate, noise, random) for t in trials if t is not None]
 
 
 @dataclass(frozen=True)
-class _Trial:
+class Trial:
     """One simulated movement.
 
     Attributes
@@ -96,7 +96,7 @@ class _Trial:
     back: float = math.inf
 
 
-def _trial(arm: Arm, layout: str, random: np.random.Generator) -> _Trial | None:
+def _trial(arm: Arm, layout: str, random: np.random.Generator) -> Trial | None:
     """Simulate one trial; None where everything is too near to the hand to be reached for."""
     places = draw_places(layout, int(random.choice(COUNTS)), random)
     poses, grasps = _stand(places, random)
@@ -107,16 +107,16 @@ def _trial(arm: Arm, layout: str, random: np.random.Generator) -> _Trial | None:
     elif random.random() < 0.4:  # anywhere
         start = random.uniform(places.min(axis=0) - 0.15, places.max(axis=0) + 0.15) * arm.plane
     rest = float(random.choice([0.0, 0.3, 0.8, 1.5])) * random.uniform(0.5, 1.0)
-    parts = [_hold(start, rest)]
+    parts = [hold(start, rest)]
     mode = str(random.choice(MODES))
     if mode == "none":
         parts += _wander(arm, start, places, random)
-        return _Trial(mode, _executed(arm, parts, random), poses, None)
+        return Trial(mode, executed(arm, parts, random), poses, None)
     if mode == "chain":
         via = random.uniform(places.min(axis=0) - 0.2, places.max(axis=0) + 0.2) * arm.plane
         parts.append(move(arm, start, via, random)[1:])
         start = parts[-1][-1]
-        parts.append(_hold(start, float(random.choice([0.0, 0.0, 0.2, 0.5]))))
+        parts.append(hold(start, float(random.choice([0.0, 0.0, 0.2, 0.5]))))
     far = np.flatnonzero(np.linalg.norm(places - start, axis=1) > 0.1)
     if not len(far):
         return None
@@ -129,15 +129,15 @@ def _trial(arm: Arm, layout: str, random: np.random.Generator) -> _Trial | None:
     begin = sum(map(len, parts))
     parts.append(move(arm, start, _aim(arm, places, grasps, chosen, start, random), random)[1:])
     stop = sum(map(len, parts))
-    parts.append(_hold(parts[-1][-1], random.uniform(0.2, 0.9)))
+    parts.append(hold(parts[-1][-1], random.uniform(0.2, 0.9)))
     back = math.inf
     if random.random() < 0.3:
         back = sum(map(len, parts)) * STEP + 0.02
         near_home = home + random.normal(0.0, 0.05, 3) * arm.plane
         parts.append(move(arm, parts[-1][-1], near_home, random)[1:])
-    path = _executed(arm, parts, random)
-    bounds = _bounds(path, begin, min(stop + int(2.0 * arm.lag / STEP), len(path) - 1))
-    return None if bounds is None else _Trial(mode, path, poses, f"o{chosen}", *bounds, back)
+    path = executed(arm, parts, random)
+    bounds = find_bounds(path, begin, min(stop + int(2.0 * arm.lag / STEP), len(path) - 1))
+    return None if bounds is None else Trial(mode, path, poses, f"o{chosen}", *bounds, back)
 
 
 def _stand(
@@ -182,15 +182,16 @@ def _wander(arm: Arm, start: Array, places: Array, random: np.random.Generator) 
         parts.append(move(arm, start, goal, random)[1:])
         start = parts[-1][-1]
         if random.random() < 0.5:
-            parts.append(_hold(start, random.uniform(0.05, 0.8)))
+            parts.append(hold(start, random.uniform(0.05, 0.8)))
     return parts
 
 
-def _hold(place: Array, seconds: float) -> Array:
+def hold(place: Array, seconds: float) -> Array:
+    """Return the path of a palm that rests, shape (n, 3)."""
     return np.repeat(place[None], int(seconds / STEP) + 1, axis=0)
 
 
-def _executed(arm: Arm, parts: list[Array], random: np.random.Generator) -> Array:
+def executed(arm: Arm, parts: list[Array], random: np.random.Generator) -> Array:
     """Return the path with a device's lag, noise that grows with the speed, and tremor."""
     path = carry(arm, np.concatenate(parts))
     speed = np.linalg.norm(np.diff(path, axis=0, prepend=path[:1]), axis=1) / STEP
@@ -204,7 +205,7 @@ def _executed(arm: Arm, parts: list[Array], random: np.random.Generator) -> Arra
     return moved
 
 
-def _bounds(path: Array, begin: int, stop: int) -> tuple[float, float] | None:
+def find_bounds(path: Array, begin: int, stop: int) -> tuple[float, float] | None:
     """Return onset and end by 10 % of the peak speed between two samples [s]; None: no movement."""
     if stop - begin < 5:
         return None
@@ -218,8 +219,8 @@ def _bounds(path: Array, begin: int, stop: int) -> tuple[float, float] | None:
     return (onset, end) if end - onset > 0.15 else None
 
 
-def _record(
-    person: str, trial: _Trial, rate: float, noise: float, random: np.random.Generator
+def record_trial(
+    person: str, trial: Trial, rate: float, noise: float, random: np.random.Generator
 ) -> Recording:
     """Return a trial as a sensor sees it: sampled, with noise that may be correlated, with gaps."""
     times = np.arange(len(trial.path)) * STEP

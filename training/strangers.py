@@ -1,6 +1,6 @@
 """The shipped estimator on sets that nothing was learned from: the exoskeleton first of all.
 
-Example: python -m training.strangers ../shared/data
+Example: python -m training.strangers shared
 """
 
 from __future__ import annotations

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from igrip.errors import IgripError, ObservationError
     from igrip.estimator import Estimator
     from igrip.intention import Intention
+    from igrip.io.intentions import Intentions, read_intentions
     from igrip.io.recordings import open_source
+    from igrip.lab.report.probability_figure import plot_probability
     from igrip.objects.catalog import Catalog, load_objects
     from igrip.observation import Observation
 
@@ -25,11 +27,14 @@ _HOMES = {
     "Hand": "igrip.entities",
     "IgripError": "igrip.errors",
     "Intention": "igrip.intention",
+    "Intentions": "igrip.io.intentions",
     "ObjectPose": "igrip.entities",
     "Observation": "igrip.observation",
     "ObservationError": "igrip.errors",
     "load_objects": "igrip.objects.catalog",
     "open_source": "igrip.io.recordings",
+    "plot_probability": "igrip.lab.report.probability_figure",
+    "read_intentions": "igrip.io.intentions",
 }
 
 __all__ = [
@@ -39,12 +44,15 @@ __all__ = [
     "Hand",
     "IgripError",
     "Intention",
+    "Intentions",
     "ObjectPose",
     "Observation",
     "ObservationError",
     "__version__",
     "load_objects",
     "open_source",
+    "plot_probability",
+    "read_intentions",
 ]
 
 

@@ -23,7 +23,7 @@ class CommitmentConfig(Settings):
     assisted: tuple[str, ...] = ALL_HANDS
     needs_confirmation: bool = False
     reliability: float = quantity(
-        0.6, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
+        0.65, "1", "0: reactive, early and sometimes wrong; 1: reliable, late or not at all",
         "docs/commitment.md", ge=0, le=1,
     )  # fmt: skip
     min_threshold: float = quantity(
@@ -50,11 +50,11 @@ class CommitmentConfig(Settings):
         "guess", ge=0, lt=1,
     )  # fmt: skip
     lease_duration: float = quantity(
-        0.15, "s", "a lease ends this long after the newest measurement of the hand", "DESIGN §5",
+        0.15, "s", "a lease ends this long after the newest measurement of the hand", "guess",
         gt=0,
     )  # fmt: skip
     max_pause: float = quantity(
-        0.3, "s", "after a pause no longer than this a lease resumes without a dwell", "DESIGN §5",
+        0.3, "s", "after a pause no longer than this a lease resumes without a dwell", "guess",
         ge=0,
     )  # fmt: skip
     veto_rest_duration: float = quantity(

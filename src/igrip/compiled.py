@@ -8,6 +8,7 @@ kernel reads. So the cache directory carries a hash of all sources with either.
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import tempfile
 from collections.abc import Callable
@@ -16,7 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core import event
 from platformdirs import user_cache_path
+
+log = logging.getLogger(__name__)
 
 
 @cache
@@ -62,3 +66,25 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     finally:
         numba.config.CACHE_DIR = before
     return compiled
+
+
+class _Announcer(event.Listener):  # type: ignore[misc]
+    """Log the first compilation of a process; what comes from the cache is not compiled."""
+
+    announced = False
+
+    def on_start(self, event: Any) -> None:
+        """Log it."""
+        function = event.data["dispatcher"].py_func
+        if not self.announced and function.__module__.startswith(__package__ + "."):
+            self.announced = True
+            log.info(
+                "compiling the kernels, once on this machine; it takes some seconds "
+                "(igrip doctor --warm-up does it beforehand)"
+            )
+
+    def on_end(self, event: Any) -> None:
+        """Do nothing."""
+
+
+event.register("numba:compile", _Announcer())

@@ -7,10 +7,17 @@ from contextlib import contextmanager
 
 
 def did_you_mean(name: str, choices: Iterable[str]) -> str:
-    """Return `` (did you mean 'CHOICE'?)`` for the choice nearest to a name; "" if none is near."""
+    """Return `` (did you mean 'CHOICE'?)`` for the choice nearest to a name; "" if none is near.
+
+    A name that is a part of one choice alone, such as ``mustard``, is near to it.
+    """
     from difflib import get_close_matches  # only where something went wrong
 
+    choices = list(choices)
     near = get_close_matches(name, choices, n=1)
+    if not near and len(name) >= 3:
+        holding = [choice for choice in choices if name.lower() in choice.lower()]
+        near = holding if len(holding) == 1 else []
     return f" (did you mean {near[0]!r}?)" if near else ""
 
 
@@ -110,8 +117,8 @@ def requires_extra(
 
     Examples
     --------
-    >>> with requires_extra("viser", "viewer", "the scene in the browser"):
-    ...     import viser
+    >>> with requires_extra("websockets", "viewer", "the page in the browser"):
+    ...     import websockets
     """
     try:
         yield

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from igrip.errors import did_you_mean
 
@@ -66,16 +66,23 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _refuse_unknown_keys(cls, values: Any) -> Any:
-        """Name the key that was meant; pydantic refuses the others."""
+        """Name the key that was meant, and all that there are."""
         renamed = RENAMED.get(cls.__name__, {})
         for key in values if isinstance(values, Mapping) else ():
             if key in cls.model_fields or not isinstance(key, str):
                 continue
             if key in renamed:
                 raise ValueError(f"{key} was renamed to {renamed[key]}")
-            if near := did_you_mean(key, cls.model_fields):
-                raise ValueError(f"there is no {key!r}{near}")
+            near, names = did_you_mean(key, cls.model_fields), ", ".join(cls.model_fields)
+            raise ValueError(f"there is no {key!r:.80}{near}; there are: {names}")
         return values
+
+
+def problem_of(error: ValidationError) -> str:
+    """Return the first problem of settings, with its place, as in ``reach.noise: must be …``."""
+    first = error.errors()[0]
+    place = ".".join(map(str, first["loc"]))
+    return ": ".join(filter(None, (place, first["msg"].removeprefix("Value error, "))))
 
 
 def quantity(default: Any, unit: str, meaning: str, source: str = "", **bounds: Any) -> Any:

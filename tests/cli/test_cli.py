@@ -247,6 +247,8 @@ def test_simulate_and_evaluate(tmp_path: Path) -> None:
     assert summary["recordings"] == 9
     done = igrip("evaluate", tmp_path / "set", "--out", tmp_path / "report", "--targets", "paper")
     assert "reaches valid" in done.stdout
+    assert "First commitments, all trials, reliability" in done.stdout
+    assert "Predicted times: error in ms" in done.stdout
     assert (tmp_path / "report" / "report.html").is_file()
     report = json.loads((tmp_path / "report" / "summary.json").read_text())
     evaluated = report["targets"]["paper"]["all"]
@@ -256,6 +258,7 @@ def test_simulate_and_evaluate(tmp_path: Path) -> None:
         assert replayed[key] == evaluated[key]
     for part in ("40%", "60%"):
         assert replayed[f"accuracy_{part}"] == evaluated["accuracy"][part]
+    assert replayed["times"] == report["targets"]["paper"]["times"]["all"]
     next((tmp_path / "set" / "recordings").iterdir()).unlink()
     again = igrip(
         "evaluate", tmp_path / "set", "--out", tmp_path / "other", "--targets", "distance",
@@ -265,7 +268,7 @@ def test_simulate_and_evaluate(tmp_path: Path) -> None:
     assert "no recording" in again.stderr
     assert "exists already" in igrip("simulate", tmp_path / "set", code=2).stderr
     assert (
-        "no profile 'tall'"
+        "no profile is named 'tall'"
         in igrip("simulate", tmp_path / "new", "--profile", "tall", code=2).stderr
     )
 

@@ -12,7 +12,6 @@ import mocap_files
 import plain_tables as plain
 from datasets import write_small_dataset
 from igrip.cli.app import app
-from igrip.errors import DatasetError
 from mocap_files import Body, Scene
 
 runner = CliRunner()
@@ -23,6 +22,10 @@ def igrip(*arguments, code=0):
     if code is not None:
         assert result.exit_code == code, result.output + repr(result.exception)
     return result
+
+
+def one_line(text):
+    return " ".join(text.split())
 
 
 @pytest.fixture
@@ -79,8 +82,8 @@ def test_the_map_of_a_plain_table(tmp_path):
 
 def test_a_map_is_not_overwritten(tmp_path, motive):
     (tmp_path / "map.toml").write_text("precious")
-    result = igrip("import", "--inspect", motive, "--write-map", tmp_path / "map.toml", code=1)
-    assert isinstance(result.exception, DatasetError)
+    result = igrip("import", "--inspect", motive, "--write-map", tmp_path / "map.toml", code=2)
+    assert "map.toml: exists already" in one_line(result.stderr)
     assert (tmp_path / "map.toml").read_text() == "precious"
 
 
@@ -89,15 +92,15 @@ def test_inspect_of_what_cannot_be_used(tmp_path):
     shown = igrip("import", "--inspect", tmp_path / "notes.txt", code=None)
     assert "no columns of x, y and z were found" in shown.output
     (tmp_path / "empty").mkdir()
-    result = igrip("import", "--inspect", tmp_path / "empty", code=1)
-    assert "no table and no C3D file; found nothing" in str(result.exception)
+    result = igrip("import", "--inspect", tmp_path / "empty", code=2)
+    assert "no table and no C3D file; found nothing" in one_line(result.stderr)
 
 
 def test_an_unknown_table_is_answered_with_the_ways_out(tmp_path):
     (tmp_path / "t.csv").write_text("a,b\n1,2\n")
-    result = igrip("import", tmp_path / "t.csv", "--out", tmp_path / "out", code=1)
+    result = igrip("import", tmp_path / "t.csv", "--out", tmp_path / "out", code=2)
     for words in ("motion_capture", "wispinski2021", "--columns", "--inspect", "docs/importing.md"):
-        assert words in str(result.exception)
+        assert words in one_line(result.stderr)
     assert not (tmp_path / "out").exists()
 
 
@@ -110,8 +113,8 @@ def test_an_unknown_table_is_answered_with_the_ways_out(tmp_path):
     ],
 )
 def test_a_frame_that_is_none(tmp_path, motive, options, words):
-    result = igrip("import", motive, "--out", tmp_path / "out", *options, code=1)
-    assert words in str(result.exception)
+    result = igrip("import", motive, "--out", tmp_path / "out", *options, code=2)
+    assert words in one_line(result.stderr)
 
 
 def test_check_of_a_good_and_a_bad_dataset(tmp_path):

@@ -44,7 +44,8 @@ def test_reaches_of_a_recording():
 def test_a_dataset_with_remarks_and_problems():
     results = [
         {"targets": "paper", "group": "all", "trials": 2, "success": 0.5, "accuracy_40%": 0.25,
-         "accuracy_60%": 1.0, "delay_s": -0.1, "delay_clipped_s": 0.0, "margin_s": None},
+         "accuracy_60%": 1.0, "delay_s": -0.1, "delay_clipped_s": 0.0, "margin_s": None,
+         "times": {"contact": {"60%": {"asked": 4, "given": 1.0, "median_s": 0.0444}}}},
         {"targets": "paper", "group": "near", "trials": 0},
     ]  # fmt: skip
     summary = {
@@ -64,4 +65,4 @@ def test_a_dataset_with_remarks_and_problems():
     assert "r10 (paper)" not in text
     assert "… and 2 more" in text
     row = next(line for line in text.splitlines() if "50.0 %" in line)
-    assert all(cell in row for cell in ("25.0 %", "100.0 %", "-0.10 s", "0.00 s"))
+    assert all(cell in row for cell in ("25.0 %", "100.0 %", "-0.10 s", "0.00 s", "44 ms"))

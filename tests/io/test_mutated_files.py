@@ -113,6 +113,27 @@ def check(folder: Path, catalog) -> None:
         check_trial(dataset, trial, catalog)
 
 
+def use_damaged(good: Path, work: Path, seed: str, rounds: int, use) -> None:
+    """Use copies of a folder, each with one damaged file; bound the memory that this takes."""
+    files = [path for path in sorted(good.rglob("*")) if path.is_file()]
+    rng = random.Random(seed)
+    tracemalloc.start()
+    try:
+        for _ in range(rounds):
+            shutil.copytree(good, work)
+            victim = rng.choice(files)
+            data = damaged(rng, victim.read_bytes())
+            (work / victim.relative_to(good)).write_bytes(data)
+            tracemalloc.reset_peak()
+            before = tracemalloc.get_traced_memory()[0]
+            with suppress(IgripError):
+                use(work)
+            assert tracemalloc.get_traced_memory()[1] - before < 4 * len(data) + CONSTANT
+            shutil.rmtree(work)
+    finally:
+        tracemalloc.stop()
+
+
 @pytest.fixture(scope="module")
 def catalog():
     return load_objects("ycb")
@@ -158,16 +179,8 @@ def test_tables(tmp_path, catalog, kind, rounds):
 def test_datasets(tmp_path, rounds):
     good = write_small_dataset(tmp_path / "good").path
     models = load_objects(*Dataset.open(good).objects)
-    files = [path for path in sorted(good.rglob("*")) if path.is_file()]
-    rng = random.Random(f"dataset {rounds}")
-    for _ in range(rounds):
-        work = tmp_path / "work"
-        shutil.copytree(good, work)
-        victim = rng.choice(files)
-        (work / victim.relative_to(good)).write_bytes(damaged(rng, victim.read_bytes()))
-        with suppress(IgripError):
-            check(work, models)
-        shutil.rmtree(work)
+    check(good, models)  # loads the libraries
+    use_damaged(good, tmp_path / "work", f"dataset {rounds}", rounds, lambda d: check(d, models))
 
 
 @pytest.mark.filterwarnings("ignore")  # of the meshes' readers
@@ -183,16 +196,8 @@ def test_meshes(tmp_path, rounds, monkeypatch):
         json.dumps({"1": {"symmetries_continuous": [{"axis": [0, 0, 1], "offset": [0, 0, 0]}]}})
     )
     (good / "objects.toml").write_text('[defaults]\nsymmetry = "box"\n[box_stl]\nunit = "m"\n')
-    files = sorted(good.iterdir())
-    rng = random.Random(f"mesh {rounds}")
-    for _ in range(rounds):
-        work = tmp_path / "work"
-        shutil.copytree(good, work)
-        victim = rng.choice(files)
-        (work / victim.name).write_bytes(damaged(rng, victim.read_bytes()))
-        with suppress(IgripError):
-            load_objects(work)
-        shutil.rmtree(work)
+    load_objects(good)
+    use_damaged(good, tmp_path / "work", f"mesh {rounds}", rounds, load_objects)
 
 
 def test_a_large_table_takes_four_times_its_size_at_most(tmp_path, catalog):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +89,8 @@ body = "far"
 model = "cylinder:0.03x0.12"
 """
 
+# exports round to a micrometre: a hand that closes in at 5 cm/s then meets 8 cm 20 µs off
+CONTACT = re.compile(r"contact_(s|error_at_.*)")
 # of markers alone, the objects' rotation is not known: the cylinders are round
 EXPORTS = {
     "motive": lambda d, n, s: mocap_files.motive(d / f"{n}.csv", s),
@@ -155,6 +158,8 @@ def test_the_same_evaluation(tmp_path, expected, system):
                 again = [float(v) for v in ours[key] if v is not None]
                 assert again == pytest.approx(numbers, abs=1e-5), key
             elif isinstance(value, float):
-                assert ours[key] == pytest.approx(value, abs=1e-5), key
+                assert ours[key] == pytest.approx(
+                    value, abs=1e-4 if CONTACT.fullmatch(key) else 1e-5
+                ), key
             else:
                 assert ours[key] == value, key

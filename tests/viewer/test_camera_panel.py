@@ -26,7 +26,7 @@ def views(value):
 
 @pytest.fixture
 def panel():
-    viewer = Viewer(port=8533)
+    viewer = Viewer(port=0)
     panel = CameraPanel(viewer)
     panel.url = viewer.url
     yield panel

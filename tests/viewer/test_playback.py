@@ -17,7 +17,7 @@ from igrip.lab.simulation.demo import DemoPerson
 from igrip.viewer.playback import Player, Playhead, ReplayWorker, replay_snapshots
 from igrip.viewer.server import Viewer
 
-pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+pytest.importorskip("websockets", reason="the extra 'viewer' is not installed")
 TIMES = st.lists(st.floats(0.0, 100.0), min_size=1, max_size=20, unique=True).map(sorted)
 
 
@@ -97,7 +97,7 @@ def test_a_replay_holds_the_intentions_of_the_estimator(recording, ycb):
 @needs_chromium
 def test_playing_on_the_page(recording, ycb):
     snapshots = replay_snapshots(JsonlReader(recording), ycb, Config())
-    viewer = Viewer(port=8475)
+    viewer = Viewer(port=0)
     player, end = Player(viewer, snapshots), threading.Event()
     thread = threading.Thread(target=player.run, args=(end.is_set,))
     thread.start()
@@ -175,7 +175,7 @@ def test_the_estimator_that_was_requested_last_is_shown():
 
 def test_other_snapshots_go_on_at_the_same_time(recording, ycb):
     snapshots = replay_snapshots(JsonlReader(recording), ycb, Config())
-    viewer = Viewer(port=8475)
+    viewer = Viewer(port=0)
     try:
         player = Player(viewer, snapshots)
         player.head.seek(2.0)

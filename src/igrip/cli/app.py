@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import importlib
-from typing import Annotated, Any
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from igrip.cli.ending import end
+from igrip.cli.log_lines import print_own
 from igrip.errors import IgripError
 from igrip.version import __version__
 
@@ -17,6 +21,7 @@ COMMANDS = {
     "replay": "Run estimators over recordings and summarise the answers.",
     "evaluate": "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, "
     "figures.",
+    "tune": "Tune commitments to one person, from 8 to 50 of their trials, or to a cohort.",
     "simulate": "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
     "stream": "Receive observations from other programs and send them intentions, until Ctrl-C.",
     "view": "Look at a recording in the browser: play, pause, step, and go to any time.",
@@ -27,11 +32,15 @@ COMMANDS = {
     "import": "Turn motion-capture tables into a dataset.",
     "check": "Check a dataset: every trial, its recording, hand, target and models.",
     "bench": "Measure the speed of the estimator on this machine.",
+    "list": "List the names that options take: estimators, cues, cameras, models and more.",
     "doctor": "Show what is installed and whether the core works.",
     "grips": "Show from which height on each object is pinched.",
     "schema": "Print the JSON schema of a message.",
 }  # fmt: skip
-TARGETS = {"import": "importing:import_tables"}  # where it is not "NAME:NAME"
+TARGETS = {
+    "import": "importing:import_tables",
+    "list": "listing:list_names",
+}  # where it is not "NAME:NAME"
 RENAMED_OPTIONS = {
     "live": {"--tell": "--out", "--apart": "--separate-hands", "--catalog": "--objects"},
 }
@@ -61,6 +70,21 @@ class LazyGroup(TyperGroup):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.commands: Any = COMMANDS  # what a mistyped name is compared with
+
+    def main(
+        self, args: Sequence[str] | None = None, prog_name: str | None = None,
+        complete_var: str | None = None, standalone_mode: bool = True,
+        windows_expand_args: bool = True, **extra: Any,
+    ) -> NoReturn:  # fmt: skip
+        """Run the command that the arguments name, and exit as every command does."""
+        arguments = list(sys.argv[1:] if args is None else args)
+
+        def run() -> None:
+            print_own()
+            with self.make_context("igrip", arguments, **extra) as context:
+                self.invoke(context)
+
+        end(run)
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands, in the order of the help."""

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from igrip.cli.console import errors, output, warn
+from igrip.cli.outputs import file_option
 from igrip.errors import CameraError, IgripError
 from igrip.perception.calibration.board import Board
 from igrip.perception.calibration.extrinsics import locate_camera, watch_board
@@ -25,15 +26,18 @@ def calibrate(
         str | None, typer.Option(help="Cameras that see the board, joined by +: oak:ID1+oak:ID2.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="The file to write (.json).")
+        Path | None,
+        typer.Option("--out", "-o", help="The file to write (.json).", callback=file_option()),
     ] = None,
     lens: Annotated[
         Path | None,
         typer.Option(help="Calibrate the lens of one camera instead, for ?intrinsics=, and write "
-                     "it here (.json); move the board about."),
+                     "it here (.json); move the board about.", callback=file_option()),
     ] = None,
     board: Annotated[
-        Path | None, typer.Option(help="Write the board here (.svg), to be printed at 100 %.")
+        Path | None,
+        typer.Option(help="Write the board here (.svg), to be printed at 100 %.",
+                     callback=file_option()),
     ] = None,
     tag_size: Annotated[
         float,

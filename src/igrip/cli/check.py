@@ -65,10 +65,7 @@ def _print(
 ) -> None:
     rows = [(trial.recording, flaw.verdict, flaw.text) for trial, flaws in found for flaw in flaws]
     if rows:
-        table = table_of(("recording", "", "what"), rows[:MAX_ROWS])
-        table.columns[1].justify = table.columns[2].justify = "left"
-        table.columns[2].overflow = "fold"
-        output.print(table)
+        output.print(table_of(("recording", "", "what"), rows[:MAX_ROWS], left=(1, 2)))
     if len(rows) > MAX_ROWS:
         output.print(f"… and {len(rows) - MAX_ROWS} more; --json lists all")
     if unused:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,11 +11,23 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from igrip.cli.table import FoldingTable
+
+
+class PipeConsole(Console):
+    """A console that leaves it to the command's end what happens when its reader has gone."""
+
+    def on_broken_pipe(self) -> None:
+        """Raise the error again; rich would exit with code 1."""
+        self._buffer.clear()
+        raise
+
+
+NOT_KEPT = "an unfinished dataset is not kept; the same command begins anew"
 
 # no markup: names and paths from outside may hold brackets
-output = Console(markup=False, highlight=False)
-errors = Console(stderr=True, markup=False, highlight=False)
+output = PipeConsole(markup=False, highlight=False)
+errors = PipeConsole(stderr=True, markup=False, highlight=False)
 
 
 def print_json(value: Any) -> None:
@@ -28,16 +40,19 @@ def warn(text: str) -> None:
     errors.print(text, style="yellow", soft_wrap=True)
 
 
-def table_of(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str = "") -> Table:
-    """Return a table; the first column stands on the left and is never shortened."""
-    from rich.table import Table
+def inform(text: str) -> None:
+    """Print what is going on, dimmed."""
+    errors.print(text, style="dim", soft_wrap=True)
 
-    table = Table(title=title or None)
-    for number, column in enumerate(columns):
-        table.add_column(column, justify="right" if number else "left", no_wrap=not number)
-    for row in rows:
-        table.add_row(*row)
-    return table
+
+def table_of(
+    columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str = "", caption: str = "",
+    left: Collection[int] = (),
+) -> FoldingTable:  # fmt: skip
+    """Return a table that folds; the first column and those named stand on the left."""
+    from igrip.cli.table import FoldingTable
+
+    return FoldingTable(columns, rows, title, caption, left)
 
 
 def number(value: float | None, form: str = ".2f", unit: str = "") -> str:
@@ -67,9 +82,19 @@ def progress(description: str, total: int | None = None) -> Iterator[Callable[..
 
 
 @contextmanager
-def until_interrupted() -> Iterator[None]:
-    """End the work inside at Ctrl-C, which is no error."""
+def until_interrupted(kept: Callable[[], str] | str = "") -> Iterator[None]:
+    """End the work inside at Ctrl-C, which is no error, and print what is kept."""
     try:
         yield
     except KeyboardInterrupt:
-        errors.print("stopped")
+        text = kept if isinstance(kept, str) else kept()
+        errors.print(f"stopped; {text}" if text else "stopped", soft_wrap=True)
+
+
+@contextmanager
+def interruptible(kept: Callable[[], str] | str) -> Iterator[None]:
+    """At Ctrl-C within the work, have the command's last line say what is kept and what next."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        raise KeyboardInterrupt(kept if isinstance(kept, str) else kept()) from interrupt

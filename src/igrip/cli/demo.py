@@ -11,13 +11,14 @@ from typing import Annotated
 
 import typer
 from rich.live import Live
-from rich.table import Table
 from rich.text import Text
 
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
-from igrip.cli.console import errors, number, output, print_json, until_interrupted
+from igrip.cli.console import errors, number, output, print_json, table_of, until_interrupted
+from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
+from igrip.cli.table import FoldingTable
 from igrip.config import Config
 from igrip.describe import describe
 from igrip.errors import IgripError
@@ -63,6 +64,8 @@ def demo(
     """
     faults = [Fault.parse(text) for text in fault or []]
     config = setup.estimator_config(targets)
+    if not headless:
+        port = free_port(port)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects("ycb")
         setup.warm_up(config, catalog)
@@ -169,16 +172,14 @@ def _summary(task: DemoTask) -> str:
     return f"{task.hand} hand to {task.target}, {task.grip} grip"
 
 
-def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> Table:
+def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> FoldingTable:
     """Return the live table: one row per hand, the task's hand in colour."""
-    table = Table(title=f"t = {moment.observation.t:6.2f} s   task: {_summary(moment.task)}")
-    for column in ("hand", "status", "target", "grip", "score", "contact in", "permission for"):
-        table.add_column(column, min_width=9)
+    rows = []
     for intention in intentions:
         of_task = intention.hand == moment.task.hand and intention.status == "reaching"
         correct = intention.target == moment.task.target
         colour = ("green" if correct else "red") if of_task else "dim"
-        table.add_row(
+        cells = (
             intention.hand,
             intention.status,
             Text(intention.target or "-", colour),
@@ -187,6 +188,9 @@ def _table(moment: Moment, intentions: list[Intention], score: DemoScore) -> Tab
             number(intention.time_to_contact, unit=" s"),
             intention.commitment.target if intention.commitment else "-",
         )
+        rows.append(cells)
+    columns = ("hand", "status", "target", "grip", "score", "contact in", "permission for")
     sentences = [describe(i) for i in intentions if i.hand == moment.task.hand]
-    table.caption = "\n".join([*sentences, score.sentence()])
-    return table
+    title = f"t = {moment.observation.t:6.2f} s   task: {_summary(moment.task)}"
+    caption = "\n".join([*sentences, score.sentence()])
+    return table_of(columns, rows, title, caption, left=(1, 2, 3, 6))

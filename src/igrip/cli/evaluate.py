@@ -8,13 +8,24 @@ from typing import Annotated, Any
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import errors, output, print_json, progress, table_of, warn
-from igrip.config import Config
+from igrip.cli.console import (
+    errors,
+    interruptible,
+    number,
+    output,
+    print_json,
+    progress,
+    table_of,
+    warn,
+)
+from igrip.cli.estimator_setup import base_config, warm_up, with_targets
+from igrip.cli.outputs import folder_option
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.evaluation import Evaluation
-from igrip.lab.evaluation.runner import spread
+from igrip.lab.evaluation.predicted_times import PARTS
+from igrip.lab.evaluation.runner import count_jobs, spread
 from igrip.targets import TARGETS
 
 USUAL = (
@@ -24,14 +35,22 @@ USUAL = (
 
 def evaluate(
     dataset: Annotated[Path, typer.Argument(help="A dataset's folder.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder of the report.")],
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", help="Folder of the report.", callback=folder_option()),
+    ],
     targets: Annotated[
         list[str] | None,
-        typer.Option(help="Targets estimator; repeatable. Default: all that are known."),
+        typer.Option(
+            help=f"{options.TARGETS_HELP} Repeatable. Default: all of them; with --config, the one "
+            "it names."
+        ),
     ] = None,
+    config: options.ConfigFile = None,
     grips: Annotated[
-        str, typer.Option(help="Grip selector: contact, or cylinder (the paper's).")
-    ] = Config().grips,
+        str | None,
+        typer.Option(help="Grip selector: contact (default), or cylinder (the paper's)."),
+    ] = None,
     objects: options.Objects = None,
     limit: options.Limit = 0,
     trial: Annotated[
@@ -49,20 +68,27 @@ def evaluate(
 
     Example: igrip evaluate cohort --out report --targets paper --targets repaired
     """
+    base = base_config(config)
+    named = targets or ([base.targets] if config is not None else TARGETS.names())
+    names = list(dict.fromkeys(targets or sorted(named, key=_order)))
+    for name in names:
+        TARGETS.get(name)
+    base = base.model_copy(update={"grips": grips or base.grips})
+    GRIPS.get(base.grips)
+    configs = [with_targets(base, name) for name in names]
     with requires_extra("pandas", "report", "the evaluation"):
         from igrip.lab.evaluation.summary import frame_of, summarise
         from igrip.lab.report.page import write_report
-    names = list(dict.fromkeys(targets or sorted(TARGETS.names(), key=_order)))
-    for name in names:
-        TARGETS.get(name)
-    GRIPS.get(grips)
-    configs = [Config(targets=name, grips=grips) for name in names]
     opened = Dataset.open(dataset, lenient=True)
     chosen = spread(opened.trials, limit)
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
     evaluation = Evaluation(opened, configs, out, objects or ())
-    with progress(f"evaluating {opened.name}", len(chosen)) as update:
+    if count_jobs(jobs, len(chosen)) > 1:
+        for each in configs:
+            warm_up(each, evaluation.catalog)  # once here, not in each process
+    kept = f"what is done is kept in {out}; the same command goes on from there"
+    with interruptible(kept), progress(f"evaluating {opened.name}", len(chosen)) as update:
         for done in evaluation.run(chosen, jobs):
             update(completed=done)
     frame = frame_of(evaluation.rows)
@@ -83,6 +109,41 @@ def evaluate(
 
 def _order(name: str) -> tuple[int, str]:
     return (USUAL.index(name) if name in USUAL else len(USUAL), name)
+
+
+def _commitments(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[Any]]:
+    """Return title, columns and rows of the first commitments."""
+    from igrip.lab.report.page import percent
+
+    firsts = {name: s["first_commitments"]["all"] for name, s in summary["targets"].items()}
+    rows = [
+        (
+            name, *(percent(first.get(key)) for key in ("committed", "right", "mean_part")),
+            number(first.get("false_per_minute")),
+        )
+        for name, first in firsts.items() if first
+    ]  # fmt: skip
+    reliability = next((one["reliability"] for one in firsts.values() if one), None)
+    columns = ("targets", "committed", "right", "mean part", "false a minute")
+    return f"First commitments, all trials, reliability {reliability}", columns, rows
+
+
+def _times(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[Any]]:
+    """Return title, columns and rows of the predicted times."""
+    from igrip.lab.report.page import error, percent
+
+    def held(one: dict[str, Any]) -> str:
+        return percent(one.get("held"))
+
+    cells = (error, held)
+    rows = [
+        (name, event, *(cell(parts.get(f"{part:.0%}", {})) for part in PARTS for cell in cells))
+        for name, scores in summary["targets"].items()
+        for event, parts in scores["times"]["all"].items() if parts
+    ]  # fmt: skip
+    columns = ("targets", "", *(text for part in PARTS for text in (f"at {part:.0%}", "held")))
+    title = "Predicted times: error in ms (median / 90 %), and what the 80 % intervals held"
+    return title, columns, rows
 
 
 def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
@@ -111,6 +172,9 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
             percent(accuracy.get("40%")), percent(accuracy.get("60%")),
         ))  # fmt: skip
     output.print(table_of(columns, rows))
+    for title, heads, cells in (_commitments(summary), _times(summary)):
+        if cells:
+            output.print(table_of(heads, cells, title))
     output.print(
         f"{summary['valid']} of {summary['reaches']} reaches valid, "
         f"{len(summary['excluded'])} recordings excluded; {out / 'report.html'}",

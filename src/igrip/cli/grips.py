@@ -11,6 +11,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, until_interrupted
+from igrip.cli.outputs import file_option, free_port
 from igrip.config import Config
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.viewer.grip_figure import draw_grip_zones
@@ -23,7 +24,9 @@ def grips(
     ] = None,
     objects: options.Objects = None,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Write the picture here (.png, .svg).")
+        Path | None,
+        typer.Option("--out", "-o", help="Write the picture here (.png, .svg, .pdf).",
+                     callback=file_option(".png", ".svg", ".pdf")),
     ] = None,
     page: Annotated[
         bool,
@@ -31,11 +34,13 @@ def grips(
     ] = False,
     port: options.PagePort = 8080,
     as_json: options.Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Show from which height on each object is pinched.
 
     Example: igrip grips --out figure2.png
     """
+    if page:
+        port = free_port(port)
     catalog = load_objects(*(objects or ["ycb"]))
     default = PAPER_OBJECTS if set(PAPER_OBJECTS) <= set(catalog) else tuple(catalog)
     chosen = [catalog[name] for name in models or default]

@@ -9,8 +9,17 @@ from typing import Annotated
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import errors, output, print_json, progress, warn
+from igrip.cli.console import (
+    NOT_KEPT,
+    errors,
+    interruptible,
+    output,
+    print_json,
+    progress,
+    warn,
+)
 from igrip.cli.inspection import print_inspection
+from igrip.cli.outputs import file_option, folder_option
 from igrip.errors import DatasetError
 from igrip.io.column_map import read_column_map
 from igrip.io.import_dataset import import_dataset
@@ -58,7 +67,9 @@ def import_tables(
         typer.Argument(help="Files (.csv .tsv .txt .trc .parquet, also .gz; .c3d), or folders."),
     ],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="New folder for the dataset.")
+        Path | None,
+        typer.Option("--out", "-o", help="New folder for the dataset.",
+                     callback=folder_option(new=True)),
     ] = None,
     columns: Annotated[
         Path | None,
@@ -68,7 +79,9 @@ def import_tables(
         bool, typer.Option("--inspect", help="Show what is understood, and write no dataset.")
     ] = False,
     write_map: Annotated[
-        Path | None, typer.Option("--write-map", help="Write a map of columns to start from here.")
+        Path | None,
+        typer.Option("--write-map", help="Write a map of columns to start from here.",
+                     callback=file_option()),
     ] = None,
     unit: Unit = None,
     time_unit: TimeUnit = None,
@@ -97,7 +110,7 @@ def import_tables(
         Path | None, typer.Option(help="Only these participants: a file with one id per line.")
     ] = None,
     as_json: options.Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Turn motion-capture tables into a dataset.
 
     Exports of Motive, QTM, Vicon, TRC, C3D and Motion-BIDS are recognised by what they hold; for
@@ -129,7 +142,8 @@ def import_tables(
     reaches = spread(reaches, limit)
     lenient = isinstance(importer, ColumnMapImporter | MotionCapture)
     problems: list[str] | None = [] if lenient else None
-    with progress(f"importing {importer.name}", len(reaches)) as update:
+    begun = interruptible(NOT_KEPT)
+    with begun, progress(f"importing {importer.name}", len(reaches)) as update:
         dataset = import_dataset(
             importer, reaches, out, catalog, changes, _absolute(named), problems,
             on_progress=lambda: update(advance=1),
@@ -153,7 +167,17 @@ def import_tables(
         print_json(summary)
         return
     output.print(f"{summary['trials']} trials of {summary['participants']} participants in {out}")
-    errors.print(f"Next: igrip replay {out} --targets paper --targets repaired")
+    unknown = sum(trial.target is None for trial in dataset.trials)
+    if unknown:
+        warn(
+            f"of {unknown} of {len(dataset.trials)} trials the target is not known, so they cannot "
+            "be scored: name it in trials.tsv, or in a map (igrip import --inspect … --write-map "
+            "map.toml)"
+        )
+    if unknown == len(dataset.trials):
+        errors.print(f"Next: igrip view {out}", soft_wrap=True)
+    else:
+        errors.print(f"Next: igrip replay {out} --targets paper --targets repaired", soft_wrap=True)
 
 
 def _understood(files: ImportFiles) -> list[str]:

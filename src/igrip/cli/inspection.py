@@ -48,7 +48,9 @@ def print_inspection(console: Console, found: Inspection) -> None:
         kind = summary["kind"]
         rows.append((f"{letter} {key or '(x, y, z)'}", kind, str(summary["samples"]),
                      str(summary["missing"]), *where))  # fmt: skip
-    console.print(table_of(("body", "kind", "seen", "missing", "x [m]", "y [m]", "z [m]"), rows))
+    console.print(
+        table_of(("body", "kind", "seen", "missing", "x [m]", "y [m]", "z [m]"), rows, left=(1,))
+    )
     if len(take.tracks) > len(letters):
         console.print(f"  … and {len(take.tracks) - len(letters)} more bodies")
     hands = ", ".join(f"{id}: {key}" for id, key in hands_of(take).items()) or (

@@ -16,6 +16,7 @@ from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, until_interrupted, warn
 from igrip.cli.live_table import COLUMNS, live_table, rows_of
+from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
@@ -76,9 +77,10 @@ def live(
         typer.Option(help="Record what the estimator is given: F.jsonl or F.mcap; igrip replay "
                      "gives the same intentions again."),
     ] = None,
+    config: options.ConfigFile = None,
     targets: options.Targets = None,
     assisted: options.Assisted = None,
-    reliability: options.Reliability = setup.RELIABILITY,
+    reliability: options.Reliability = None,
     confirm: options.Confirm = False,
     person: options.Person = None,
     seconds: Annotated[
@@ -98,8 +100,8 @@ def live(
     Example, without a camera: igrip live --camera rendered
     """
     # every name is looked up before anything slow begins
-    config = setup.estimator_config(targets, assisted, reliability, confirm)
-    kept = None if person is None else PersonFile(person, config.commitment.adaptation)
+    settings = setup.estimator_config(targets, assisted, reliability, confirm, config)
+    kept = None if person is None else PersonFile(person, settings.commitment.adaptation)
     count = _check(camera, calibration)
     poses, objects = _poses_and_objects(poses, objects or [])
     new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, separate_hands, count)
@@ -108,6 +110,10 @@ def live(
     pose_options = parse_options(option or [])
     output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
     outputs = {name: _output(name)(output_options) for name in out or []}
+    if not headless:
+        page_port = free_port(page_port, "--page-port")
+    if "ws" in outputs:
+        free_port(port, host=host)
     with ExitStack() as stack:
         recorder = None if record is None else stack.enter_context(open_writer(record))
         with errors.status("Reading meshes, models and compiling (longer the first time) …"):
@@ -116,13 +122,13 @@ def live(
             pose_options["models"] = models
             for name in models:
                 known[name]
-            setup.warm_up(config, known)
+            setup.warm_up(settings, known)
             new_objects = None if poses == NOTHING else object_stages(poses, known, pose_options)
             warm_up_stages(new_hands, new_objects, known, models)
             source = open_camera(camera, calibration)
         pipeline = stack.enter_context(Pipeline(source, new_hands, new_objects))
         loop = Loop(
-            Estimator(known, config, None if kept is None else kept.person),
+            Estimator(known, settings, None if kept is None else kept.person),
             RunClock(pipeline.begin), {"camera": StreamInput(pipeline)}, outputs,
             record=None if recorder is None else recorder.write,
             announce=lambda address: errors.print(address, soft_wrap=True),

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich.table import Table
-
 from igrip.cli.console import number, table_of
+from igrip.cli.table import FoldingTable
 from igrip.describe import describe
 from igrip.intention import Intention
 
@@ -31,9 +30,7 @@ def rows_of(report: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, ...]]:
 
 def live_table(
     t: float, report: Mapping[str, Mapping[str, Any]], intentions: Sequence[Intention]
-) -> Table:
+) -> FoldingTable:
     """Return the table for the terminal."""
-    table = table_of(COLUMNS, rows_of(report), f"t = {t:.1f} s")
-    table.caption = "\n".join(describe(intention) for intention in intentions) or "no hand yet"
-    table.caption_justify = "left"
-    return table
+    caption = "\n".join(describe(intention) for intention in intentions) or "no hand yet"
+    return table_of(COLUMNS, rows_of(report), f"t = {t:.1f} s", caption)

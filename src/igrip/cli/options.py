@@ -7,8 +7,13 @@ from typing import Annotated
 
 import typer
 
+from igrip.cli.outputs import file_option
+from igrip.targets import TARGETS
+
+TARGETS_HELP = f"Targets estimator: {', '.join(TARGETS.names())}."
+
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for a program.")]
-Targets = Annotated[str | None, typer.Option(help="Targets estimator. Default: the library's.")]
+Targets = Annotated[str | None, typer.Option(help=f"{TARGETS_HELP} Default: the library's, bayes.")]
 Objects = Annotated[
     list[str] | None,
     typer.Option(help="Where models come from: ycb, a folder, box:…, cylinder:…; repeatable. "
@@ -19,7 +24,9 @@ Jobs = Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=
 Limit = Annotated[
     int, typer.Option(help="Only so many of them, evenly spread over the table; 0: all.", min=0)
 ]
-PagePort = Annotated[int, typer.Option(help="Port of the page.", min=1, max=65535)]
+PagePort = Annotated[
+    int, typer.Option(help="Port of the page; 0: any that is free.", min=0, max=65535)
+]
 Calibration = Annotated[
     Path | None, typer.Option(help="Where the cameras stand: a file of igrip calibrate.")
 ]
@@ -29,15 +36,20 @@ Assisted = Annotated[
     typer.Option(help="A hand that a device assists; repeatable. No other gets a commitment. "
                  "Default: every hand."),
 ]  # fmt: skip
+ConfigFile = Annotated[
+    Path | None,
+    typer.Option("--config", help="Configuration: a TOML file with the keys of "
+                 "docs/configuration.md, such as igrip tune writes. Other options outdo it."),
+]  # fmt: skip
 Reliability = Annotated[
-    float,
-    typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all.",
-                 min=0.0, max=1.0),
+    float | None,
+    typer.Option(help="0: commit early, sometimes wrongly; 1: late, or not at all. Default: the "
+                 "configuration's, or the library's.", min=0.0, max=1.0),
 ]  # fmt: skip
 Person = Annotated[
     Path | None,
     typer.Option(help="File of what is learned of this person's commitments; made if it is not "
-                 "there. Delete it to begin anew."),
+                 "there. Delete it to begin anew.", callback=file_option()),
 ]  # fmt: skip
 Confirm = Annotated[
     bool, typer.Option("--confirm", help="Commit only to reaches that are confirmed from outside.")

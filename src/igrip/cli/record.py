@@ -11,6 +11,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, output, warn
+from igrip.cli.outputs import file_option
 from igrip.errors import RecordingError
 from igrip.io.mcap.frame_recorder import FrameRecorder
 from igrip.io.mcap.writer import McapWriter
@@ -20,7 +21,10 @@ STATUS_EVERY = 0.25  # s
 
 
 def record(
-    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write (.mcap).")],
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", help="The file to write (.mcap).", callback=file_option()),
+    ],
     camera: Annotated[
         str,
         typer.Option(help="oak, realsense, webcam:0, replay:FILE; several joined by +."),

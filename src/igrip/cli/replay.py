@@ -12,19 +12,22 @@ from typing import Annotated
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import output, print_json, progress, warn
-from igrip.cli.summaries import print_dataset, print_recording, recording_summary
+from igrip.cli.console import interruptible, output, print_json, progress, warn
+from igrip.cli.estimator_setup import base_config, warm_up, with_targets
+from igrip.cli.outputs import check_file, file_option
+from igrip.cli.summaries import MAX_LINES, print_dataset, print_recording, recording_summary
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.defects import DefectCounts
 from igrip.io.frames import DeclaredFrame
-from igrip.io.recordings import open_source, open_writer
+from igrip.io.intention_files import ENDINGS, open_intention_writer
+from igrip.io.recordings import open_source
 from igrip.io.ros2.bag_reader import is_bag
 from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
 from igrip.lab.evaluation.runner import EstimatorRun, count_jobs, run_trials, spread
+from igrip.lab.report.probability_figure import plot_probability
 from igrip.objects.catalog import load_objects
-from igrip.targets import TARGETS
 
 
 def replay(
@@ -37,12 +40,21 @@ def replay(
     ],
     targets: Annotated[
         list[str] | None,
-        typer.Option(help="Targets estimator; repeatable over a dataset. Default: the library's."),
+        typer.Option(
+            help=f"{options.TARGETS_HELP} Repeatable over a dataset. Default: the library's, bayes."
+        ),
     ] = None,
+    config: options.ConfigFile = None,
     objects: options.Objects = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", help="Write every intention to this .jsonl or .mcap."),
+        typer.Option("--out", "-o", help="Write every intention to this .jsonl or .mcap, or as a "
+                     "table to this .csv or .parquet."),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Of a single recording: draw the probabilities over time (.png, .svg, "
+                     ".pdf).", callback=file_option(".png", ".svg", ".pdf")),
     ] = None,
     jobs: options.Jobs = 0,
     limit: options.Limit = 0,
@@ -53,7 +65,7 @@ def replay(
     quaternions: options.Quaternions = "xyzw",
     length_unit: options.LengthUnit = "m",
     time_unit: options.TimeUnit = "s",
-) -> None:
+) -> None:  # fmt: skip
     """Run estimators over recordings and summarise the answers.
 
     Over a dataset: trial success and accuracy at 40 and 60 % of the movement for each estimator,
@@ -63,31 +75,39 @@ def replay(
     A single recording of another frame or other units is converted: --up y --time-unit ms.
 
     Example: igrip replay near-far --targets paper --targets repaired
+
+    Example: igrip replay reach.jsonl --out intentions.csv --plot probability.svg
     """
-    configs = [Config(targets=name) for name in targets or [Config().targets]]
-    for config in configs:
-        TARGETS.get(config.targets)
+    base = base_config(config)
+    configs = [with_targets(base, name) for name in targets or [base.targets]]
+    if out is not None:
+        named = str(out).partition(":")  # jsonl:/dev/stdout has no ending
+        is_named = named[0] in ("jsonl", "mcap") and bool(named[1])
+        check_file(Path(named[2]) if is_named else out, () if is_named else ENDINGS)
     if not recording.exists():
         raise RecordingError(f"{recording}: no such file or folder")
     frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
     if recording.is_dir() and not is_bag(recording):
         if not frame.is_default:
             raise RecordingError("frame and units of a dataset are declared in its dataset.json")
+        if plot is not None:
+            raise RecordingError("--plot draws a single recording; see docs/tables.md")
         _replay_dataset(recording, configs, objects or [], out, jobs, limit, as_json)
     elif len(configs) > 1:
         raise RecordingError("name only one estimator for a single recording")
     else:
-        _replay_recording(recording, configs[0], objects or ["ycb"], out, as_json, frame)
+        _replay_recording(recording, configs[0], objects or ["ycb"], out, plot, as_json, frame)
 
 
 def _replay_recording(
-    path: Path, config: Config, objects: list[str], out: Path | None, as_json: bool,
-    frame: DeclaredFrame,
+    path: Path, config: Config, objects: list[str], out: Path | None, plot: Path | None,
+    as_json: bool, frame: DeclaredFrame,
 ) -> None:  # fmt: skip
     source = open_source(path, frame)
     run = EstimatorRun(load_objects(*objects), config)
     times = []
-    with _writer(out) as write, progress(f"replaying {path.name}") as update:
+    origin = {"recording": path.name, "targets": config.targets}
+    with _writer(out, **origin) as write, progress(f"replaying {path.name}") as update:
         for observation in source:
             times.append(observation.t)
             for intention in run.update(observation):
@@ -95,6 +115,8 @@ def _replay_recording(
             update(advance=1)
     if not times:
         raise RecordingError(f"{path}: holds no messages")
+    if plot is not None:
+        plot_probability(run.intentions, plot)
     seconds = times[-1] - times[0]
     summary = recording_summary(str(path), config.targets, len(times), seconds, run.intentions)
     cut, defects = getattr(source, "cut", None), getattr(source, "defects", DefectCounts())
@@ -142,6 +164,9 @@ def _replay_dataset(
     analyse = partial(replay_run, keep_intentions=out is not None)
     replayed: list[ReplayedTrial] = []
     begin = time.perf_counter()
+    if jobs > 1:
+        for config in configs:
+            warm_up(config, catalog)  # once here, not in each process
     with _writer(out) as write, progress(f"replaying {dataset.name}", len(trials)) as update:
         for done in run_trials(dataset, catalog, configs, analyse, trials, jobs):
             for row, intentions in zip(done.rows, done.intentions, strict=True):
@@ -155,17 +180,23 @@ def _replay_dataset(
     summary |= {"processes": jobs, "seconds": elapsed, "times_real_time": recorded / elapsed}
     if as_json:
         print_json(summary)
+        for text in sorted({row["remark"] for row in summary["remarks"]})[:MAX_LINES]:
+            warn(text)
     else:
         print_dataset(output, summary)
-    if summary["problems"]:
+    nothing = not any(row["trials"] for row in summary["results"])
+    if nothing:
+        warn(f"no trial could be scored; next: igrip check {path}")
+    if nothing or summary["problems"]:
         raise typer.Exit(1)
 
 
 @contextmanager
-def _writer(path: Path | None) -> Iterator[Callable[..., object]]:
+def _writer(path: Path | None, **origin: str) -> Iterator[Callable[..., object]]:
     """Open the file of the intentions before the long work, and write each as it comes."""
     if path is None:
         yield lambda intention, **origin: None
         return
-    with open_writer(path) as file:
+    kept = f"the intentions until now are in {path}; run again to replace them by all"
+    with interruptible(kept), open_intention_writer(path, **origin) as file:
         yield file.write

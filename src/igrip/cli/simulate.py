@@ -8,14 +8,18 @@ from typing import Annotated
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import output, print_json, progress
+from igrip.cli.console import NOT_KEPT, interruptible, output, print_json, progress
+from igrip.cli.outputs import folder_option
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import PROFILES, checksum, cohort_parameters
 from igrip.objects.catalog import load_objects
 
 
 def simulate(
-    out: Annotated[Path, typer.Argument(help="A new folder for the dataset.")],
+    out: Annotated[
+        Path,
+        typer.Argument(help="A new folder for the dataset.", callback=folder_option(new=True)),
+    ],
     participants: Annotated[int, typer.Option(help="Number of people.", min=1)] = 11,
     seed: options.Seed = 0,
     profile: Annotated[str, typer.Option(help=f"{', '.join(PROFILES)}.")] = "healthy",
@@ -35,7 +39,7 @@ def simulate(
     """
     parameters, catalog = cohort_parameters(profile), load_objects("ycb")
     done = 0
-    with progress(f"simulating {out.name}") as update:
+    with interruptible(NOT_KEPT), progress(f"simulating {out.name}") as update:
         for done, total in simulate_cohort(
             out, catalog, parameters, participants, seed, trials or None, no_reach
         ):

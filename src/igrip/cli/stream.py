@@ -10,6 +10,7 @@ import typer
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, until_interrupted, warn
+from igrip.cli.outputs import free_port
 from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
@@ -41,9 +42,10 @@ def stream(
         typer.Option(help="A model to read now rather than when it first appears, which can take "
                      "seconds on a new machine; repeatable."),
     ] = None,
+    config: options.ConfigFile = None,
     targets: options.Targets = None,
     assisted: options.Assisted = None,
-    reliability: options.Reliability = setup.RELIABILITY,
+    reliability: options.Reliability = None,
     confirm: options.Confirm = False,
     person: options.Person = None,
     host: options.Host = "127.0.0.1",
@@ -86,17 +88,21 @@ def stream(
         raise IgripError(
             "--senders-clock is for --in stdin alone: with several senders, one clock would rule"
         )
-    config = setup.estimator_config(targets, assisted, reliability, confirm)
-    kept = None if person is None else PersonFile(person, config.commitment.adaptation)
+    if "ws" in {*members, *outlets}:
+        free_port(port, host=host)
+    if "osc" in members:
+        free_port(osc_port, "--osc-port", host, udp=True)
+    settings = setup.estimator_config(targets, assisted, reliability, confirm, config)
+    kept = None if person is None else PersonFile(person, settings.commitment.adaptation)
     with errors.status("Reading meshes, compiling the geometry (some seconds the first time) …"):
         catalog = load_objects(*(objects or ["ycb"]))
         for model in preload or []:
             catalog[model]
-        setup.warm_up(config, catalog)
+        setup.warm_up(settings, catalog)
     errors.print(f"commits for: {', '.join(assisted) if assisted else 'every hand'}")
     by_sender = piped if senders_clock is None else senders_clock
     loop = Loop(
-        Estimator(catalog, config, None if kept is None else kept.person),
+        Estimator(catalog, settings, None if kept is None else kept.person),
         SenderClock() if by_sender else ArrivalClock(), members, outlets, piped,
         announce=lambda address: errors.print(address, soft_wrap=True), warn=warn,
     )  # fmt: skip

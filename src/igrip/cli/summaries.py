@@ -60,7 +60,7 @@ def print_recording(console: Console, summary: dict[str, Any]) -> None:
         for hand, answers in summary["hands"].items() for reach in answers["reaches"]
     ]  # fmt: skip
     columns = ("hand", "reach", "target", "settled after", "grip", "score")
-    console.print(table_of(columns, rows) if rows else "no hand reached")
+    console.print(table_of(columns, rows, left=(2, 4)) if rows else "no hand reached")
 
 
 def print_dataset(console: Console, summary: dict[str, Any]) -> None:
@@ -81,16 +81,24 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
         (
             row["targets"], row["group"], str(row["trials"]),
             *(_percent(row.get(key)) for key in shares),
-            *(number(row.get(key), unit=" s") for key in times),
+            *(number(row.get(key), unit=" s") for key in times), *_contact(row),
         )
         for row in summary["results"]
     ]  # fmt: skip
-    columns = ("targets", "group", "trials", *shares.values(), *times.values())
-    console.print(table_of(columns, rows))
+    contact = (f"contact at {part}" for part in FRACTIONS)
+    columns = ("targets", "group", "trials", *shares.values(), *times.values(), *contact)
+    console.print(table_of(columns, rows, left=(1,)))
     print_trials(console, summary["remarks"], "remark")
     if summary["problems"]:
         console.print(f"{len(summary['problems'])} result(s) are missing:", style="yellow")
     print_trials(console, summary["problems"], "problem")
+
+
+def _contact(row: dict[str, Any]) -> list[str]:
+    """Return the median error of the predicted time of contact at parts of the movement."""
+    parts = row.get("times", {}).get("contact", {})
+    median = [parts.get(part, {}).get("median_s") for part in FRACTIONS]
+    return [number(one and 1e3 * one, ".0f", " ms") for one in median]
 
 
 def _percent(share: float | None) -> str:

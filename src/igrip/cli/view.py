@@ -10,6 +10,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, progress, until_interrupted
+from igrip.cli.outputs import free_port
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset
@@ -60,6 +61,7 @@ def view(
     """
     name = targets or Config().targets
     TARGETS.get(name)
+    port = free_port(port)
     dataset = _open(recording, trial)
     path = _path(recording, dataset, trial)
     sources = objects or (dataset.objects if dataset else ["ycb"])

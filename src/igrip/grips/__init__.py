@@ -22,6 +22,11 @@ class GripConfig(Settings):
         "paper: Eq. 11",
         gt=0,
     )
+    sure: float = quantity(
+        0.95, "probability", "contact chooses a grip that is at least this likely against the "
+        "paper's rule; 0.5: whichever is likelier",
+        "python -m training.grip_check; docs/estimators.md", ge=0.5, le=1,
+    )  # fmt: skip
 
 
 class Grip(NamedTuple):

@@ -3,7 +3,8 @@
 The paper selects by the *present* position of the hand beside its target (``cylinder``). On its
 way a hand is not yet where it will touch: it starts low and rises over the chord. Here a logistic
 model reads where the hand is along the object's axis, where it will be, and from which side it
-approaches; the probability is averaged over the possible targets.
+approaches; the probability is averaged over the possible targets. On doubt the paper's rule
+decides: the model knows the simulated people that it learned from, the rule knows nobody.
 """
 
 from __future__ import annotations
@@ -127,23 +128,38 @@ def weights() -> Array:
 
 @GRIPS.register("contact")
 class ContactGrip:
-    """Selects by where the hand will touch its possible targets."""
+    """Selects by the paper's rule, unless where the hand will touch makes a grip nearly sure.
 
-    def __init__(self, config: GripConfig) -> None:
-        self._weights = weights()
+    Parameters
+    ----------
+    config : GripConfig
+        ``sure`` says how sure.
+    learned : (t,) array, optional
+        The weights of :data:`TERMS`; by default those that ship.
+    """
+
+    def __init__(self, config: GripConfig, learned: Array | None = None) -> None:
+        self._weights = weights() if learned is None else learned
+        self._sure = config.sure
         self._paper = CylinderGrip(config)
 
     def select(self, estimate: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
-        """Return the likelier grip and the probability of both; none without a target.
+        """Return the grip and the probability of both; none without a target.
 
-        An estimate without probabilities gives nothing to average over: the paper's rule holds.
+        An estimate without probabilities gives nothing to average over: the paper's rule holds. On
+        doubt the grip is the rule's, so it may be the less likely one.
         """
+        by_rule = self._paper.select(estimate, geometry, motion)
         if estimate.target is None or estimate.probability is None:
-            return self._paper.select(estimate, geometry, motion)
+            return by_rule
         objects = estimate.probability[:-1]
-        inputs = approaches(motion.position, motion.velocity, geometry.cylinders())
-        odds = pinch_odds(inputs, self._weights)
+        cylinders = geometry.cylinders()
+        inputs = approaches(motion.position, motion.velocity, cylinders)
+        # it learned from objects that stand: its odds fade as an object is tilted
+        odds = pinch_odds(inputs, self._weights) * cylinders.axis[:, 2] ** 2
         pinch = 1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))
         probability = float(objects @ pinch / objects.sum())
-        name = "pinch" if probability >= 0.5 else "palmar"
+        name = by_rule.name
+        if max(probability, 1.0 - probability) >= self._sure:
+            name = "pinch" if probability >= 0.5 else "palmar"
         return Grip(name, {"palmar": 1.0 - probability, "pinch": probability})

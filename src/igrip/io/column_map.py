@@ -7,17 +7,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ValidationError
 
 from igrip.errors import DatasetError
 from igrip.io.takes.declared import Declared
 from igrip.io.text import TextError, read_text
+from igrip.settings import Settings, problem_of
 
 TRIALS = "trials"
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class _Part(Settings):
+    """A table of the map; an unknown entry is an error that names the one that was meant."""
 
 
 class BodyColumns(_Part):
@@ -168,9 +169,7 @@ def read_column_map(path: Path) -> ColumnMap:
     except (OSError, tomllib.TOMLDecodeError) as error:
         raise DatasetError(f"{path}: {error}") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        raise DatasetError(f"{path}: {where}: {first['msg']}") from None
+        raise DatasetError(f"{path}: {problem_of(error)}") from None
     for id, thing in columns.objects.items():
         given = [axis for axis in "xyz" if getattr(thing, axis) is not None]
         if (thing.body is None) == (not given) or (given and len(given) < 3):

@@ -10,7 +10,7 @@ from igrip.errors import DatasetError
 from igrip.io.column_map import TRIALS, ColumnMap
 from igrip.io.column_names import near_miss
 from igrip.io.importers import ImportFiles, ReachReader, RecordedReach
-from igrip.io.mapped_takes import takes_in, trial_id
+from igrip.io.mapped_takes import takes_in
 from igrip.io.mapped_trial import TrialReader
 from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
@@ -63,11 +63,12 @@ class ColumnMapImporter:
         columns = {name: k for k, name in enumerate(trials.columns)}
         rows = [(line, cells) for line, cells in trials.cells(range(len(columns)))]
         readers: list[ReachReader] = []
-        listed = set()
+        listed: set[str | None] = set()
         for number, (line, cells) in enumerate(rows, 2):
             row = dict(zip(columns, cells, strict=True))
-            listed.add(trial_id(row.get(self._map.trials.trial, "")))
-            readers.append(TrialReader(self._map, self._declared, number, line, row, takes, None))
+            reader = TrialReader(self._map, self._declared, number, line, row, takes, None)
+            readers.append(reader)
+            listed.add(reader.take_name())
         return readers + [self._unlisted(trial) for trial in takes if trial not in listed]
 
     def _unlisted(self, trial: str) -> ReachReader:

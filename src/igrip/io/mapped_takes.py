@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,10 +13,11 @@ from igrip.io.cells.values import known_text
 from igrip.io.column_map import BodyColumns, ColumnMap
 from igrip.io.column_names import near_miss
 from igrip.io.hand_ids import is_hand
+from igrip.io.table_files import ending_of, stem_of
 from igrip.io.tables import Table
 from igrip.io.takes.build import RawBody, build_take
 from igrip.io.takes.declared import Declared
-from igrip.io.takes.files import read_take
+from igrip.io.takes.files import TAKE_ENDINGS, read_take
 from igrip.io.takes.tables import raw_bodies, times_of
 from igrip.io.takes.take import Take
 
@@ -94,6 +95,38 @@ def trial_id(text: str) -> str:
     """Return the id of a trial: a file 01 is trial 1."""
     text = known_text(text) or ""
     return str(int(text)) if text.isdecimal() else text
+
+
+def find_take(trial: str, participant: str | None, takes: Collection[str]) -> str | None:
+    """Return the take that a row means: by its name, file or path, or by person and name.
+
+    Parameters
+    ----------
+    trial, participant : str, str or None
+        What the row says.
+    takes : collection of str
+        Names of the takes; a name with folders where several share the rest.
+    """
+    wanted = trial.replace("\\", "/").removeprefix("./")
+    if ending_of(Path(wanted)) in TAKE_ENDINGS and wanted not in takes:
+        wanted = (Path(wanted).parent / stem_of(Path(wanted))).as_posix()
+    wanted = trial_id(wanted)
+    if wanted in takes:
+        return wanted
+    depth = wanted.count("/") + 1
+    found = [take for take in takes if _last_parts(take, depth) == wanted]
+    if len(found) > 1 and participant:
+        person = participant.casefold()
+        found = [
+            take for take in found
+            if {person, f"sub-{person}"} & {part.casefold() for part in take.split("/")[:-1]}
+        ]  # fmt: skip
+    return found[0] if len(found) == 1 else None
+
+
+def _last_parts(take: str, depth: int) -> str:
+    *folders, name = take.split("/")[-depth:]
+    return "/".join([*folders, trial_id(name)])
 
 
 def find_body(name: str, take: Take) -> str:

@@ -13,7 +13,7 @@ from igrip.io.cells.values import known_text, number
 from igrip.io.column_map import ColumnMap
 from igrip.io.column_names import near_miss
 from igrip.io.hand_ids import match_hand, side_of
-from igrip.io.mapped_takes import TRIAL_HAND, find_body, hand_tracks, trial_id
+from igrip.io.mapped_takes import TRIAL_HAND, find_body, find_take, hand_tracks, trial_id
 from igrip.io.plausibility import Finding, Samples, check_samples, refusal
 from igrip.io.recorded_reach import MovingObject, RecordedReach
 from igrip.io.takes.declared import Declared
@@ -70,11 +70,12 @@ class TrialReader:
         """
         want = self._map.trials
         trial = self._take if self._take is not None else trial_id(self._required(want.trial))
-        if trial not in self._takes:
+        key = self.take_name()
+        if key is None:
             raise DatasetError(
                 f"{self._where}: trial {trial!r} has no samples{near_miss(trial, self._takes)}"
             )
-        take = self._takes[trial]
+        take = self._takes[key]
         if isinstance(take, DatasetError):
             raise take
         hands = self._hands(take)
@@ -114,6 +115,14 @@ class TrialReader:
             remarks=remarks,
             converted_from=None if take.frame.is_default else take.frame.to_dict(),
         )
+
+    def take_name(self) -> str | None:
+        """Return which of the takes is meant; None: none of them."""
+        if self._take is not None:
+            return self._take
+        want = self._map.trials
+        trial, participant = (self._row.get(name, "") for name in (want.trial, want.participant))
+        return find_take(trial_id(trial), known_text(participant), self._takes)
 
     def _check(
         self,

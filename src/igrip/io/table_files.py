@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Collection, Iterable
 from pathlib import Path
@@ -40,12 +41,8 @@ def read_table(path: Path) -> Table:
 def find_files(paths: Iterable[Path], endings: Collection[str]) -> dict[str, Path]:
     """Return the files with one of the endings, by name; a folder stands for the files in it.
 
-    A file is named by its stem, or where several share one, by its path below the folder.
-
-    Raises
-    ------
-    DatasetError
-        If two files have one name.
+    A file is named by its stem; where several share one, by its path below the folder that holds
+    them, with its ending where they are in one folder.
     """
     found: list[tuple[Path, Path]] = []
     for path in paths:
@@ -56,14 +53,21 @@ def find_files(paths: Iterable[Path], endings: Collection[str]) -> dict[str, Pat
         else:
             found.append((path, Path(path.name)))
     found = [(file, below) for file, below in found if ending_of(file) in endings]
-    stems = [stem_of(file) for file, _ in found]
-    named: dict[str, Path] = {}
-    for (file, below), stem in zip(found, stems, strict=True):
-        name = stem if stems.count(stem) == 1 else (below.parent / stem).as_posix()
-        if name in named:
-            raise DatasetError(f"{file}: two tables are named {name!r}")
-        named[name] = file
-    return named
+    files = list({file.resolve(): file for file, _ in found}.values())
+    by_stem: dict[str, list[Path]] = {}
+    for file in files:
+        by_stem.setdefault(stem_of(file), []).append(file)
+    names: dict[Path, str] = {}
+    for stem, alike in by_stem.items():
+        if len(alike) == 1:
+            names[alike[0]] = stem
+            continue
+        places = [file.resolve().parent for file in alike]
+        shared = os.path.commonpath(places)
+        for file, place in zip(alike, places, strict=True):
+            name = file.name if places.count(place) > 1 else stem
+            names[file] = (place.relative_to(shared) / name).as_posix()
+    return {names[file]: file for file in files}
 
 
 def read_tables(paths: Iterable[Path]) -> dict[str, Table]:
@@ -72,7 +76,7 @@ def read_tables(paths: Iterable[Path]) -> dict[str, Table]:
     Raises
     ------
     DatasetError
-        If a file cannot be read as a table, or two have one name.
+        If a file cannot be read as a table.
     """
     paths = list(paths)
     for path in paths:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from igrip.compiled import cache_directory
-from igrip.errors import MeshUnitError, ObjectsError, UnknownModelError
+from igrip.errors import MeshUnitError, ObjectsError, UnknownModelError, did_you_mean
 from igrip.mesh.bvh import Bvh
 from igrip.objects.array_cache import read_arrays, sources_digest, write_arrays
 from igrip.objects.mesh_files import MeshFile, Primitive, parse_primitive
@@ -77,7 +77,8 @@ class Catalog(Mapping[str, ObjectModel]):
         try:
             own = self._aliases[name if name in self._aliases else normal(name)]
         except (KeyError, TypeError):
-            raise UnknownModelError(f"the catalogue has no model {name!r:.80}") from None
+            near = did_you_mean(str(name)[:80], self._aliases)
+            raise UnknownModelError(f"the catalogue has no model {name!r:.80}{near}") from None
         if own not in self._models:
             self._models[own] = _load(self._meshes[own])
         return self._models[own]

@@ -13,6 +13,7 @@ import numpy as np
 import trimesh
 
 from igrip.errors import MeshUnitError, ObjectsError
+from igrip.objects.mesh_reader import read_mesh_file
 from igrip.objects.stray_bodies import without_ground_plane
 from igrip.settings import Settings
 
@@ -96,7 +97,7 @@ class MeshFile:
             If the mesh is plainly not in metres.
         """
         try:
-            loaded = trimesh.load(self.path)
+            loaded = read_mesh_file(self.path)
         except Exception as error:  # each format's reader has its own kinds of error
             raise ObjectsError(f"{self.path}: cannot be read as a mesh: {error}") from error
         units = loaded.units
@@ -105,6 +106,8 @@ class MeshFile:
             self.remarks.append(f"{self.path}: {remark}")
         if mesh is None:
             raise ObjectsError(f"{self.path}: {_no_mesh(loaded)}")
+        if mesh.vertices.shape[1:] != (3,):
+            raise ObjectsError(f"{self.path}: cannot be read as a mesh: its points are not triples")
         if not np.isfinite(mesh.vertices).all():
             raise ObjectsError(f"{self.path}: has coordinates that are not finite")
         raw = float(np.max(mesh.extents))

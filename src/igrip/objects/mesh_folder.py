@@ -23,6 +23,7 @@ from pydantic import ValidationError
 from igrip.errors import ObjectsError
 from igrip.objects.bop import bop_options
 from igrip.objects.mesh_files import TABLE, MeshFile, MeshOptions
+from igrip.settings import problem_of
 
 log = logging.getLogger(__name__)
 
@@ -158,9 +159,7 @@ def _options(folder: Path, name: str, entry: Mapping[str, Any]) -> MeshOptions:
     try:
         return MeshOptions(**entry)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise ObjectsError(f"{folder / TABLE}: [{name}] {place}: {first['msg']}") from error
+        raise ObjectsError(f"{folder / TABLE}: [{name}] {problem_of(error)}") from error
 
 
 def _file_of(

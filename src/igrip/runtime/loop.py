@@ -20,7 +20,7 @@ from igrip.runtime.sender import Sender, Senders
 
 __all__ = ["Input", "Loop", "Output", "Sender"]
 
-TICK = 0.05  # s of silence after which the estimator gets a tick (DESIGN §3)
+TICK = 0.05  # s of silence after which the estimator gets a tick
 REPORT_INTERVAL = 1.0  # s
 MAX_WARNINGS = 64  # of those that are given once each
 

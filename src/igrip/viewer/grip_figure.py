@@ -21,12 +21,16 @@ def draw_grip_zones(models: Sequence[ObjectModel], pinch_from: float, path: Path
     ``pinch_from`` is the border of the pinch zone, in half-lengths of the cylinder; the ending of
     the file selects PNG or SVG. Raises :class:`MissingExtraError` without matplotlib.
     """
-    figure = new_figure(2.6 * len(models), 4.6, "the picture of grip zones")
+    figure = new_figure(max(5.2, 2.6 * len(models)), 4.6, "the picture of grip zones")
     panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
+    width = max(110.0, *(1100.0 * model.radius for model in models))  # mm, as the heights
+    height = max(180.0, *(700.0 * model.length for model in models))
     for panel, model in zip(panels, models, strict=True):
         _draw(panel, model, pinch_from)
+        panel.set_xlim(-width, width)
+        panel.set_ylim(-height, height)
     panels[0].set_ylabel("z in the object's frame [mm]")
-    figure.suptitle("grip by height: palmar (blue), pinch (magenta and beyond)")
+    figure.suptitle("grip by height: palmar (blue), pinch (magenta and beyond)", fontsize=10)
     figure.savefig(path, dpi=150)
 
 
@@ -53,6 +57,4 @@ def _draw(panel: Any, model: ObjectModel, pinch_from: float) -> None:
         arrowprops={"arrowstyle": "-|>", "color": "#d02020", "linewidth": 1.5},
     )  # fmt: skip
     panel.set_title(f"{model.name}\nborder ±{border:.1f} mm", fontsize=8)
-    panel.set_xlim(-110, 110)
-    panel.set_ylim(-180, 180)
     panel.set_aspect("equal")

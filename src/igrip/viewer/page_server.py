@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import errno
 import logging
 import mimetypes
 import threading
@@ -34,7 +33,6 @@ POLICY = (  # the page loads nothing from elsewhere, and runs no script but its 
 )
 MAX_ROWS = 100_000  # kept for pages that are opened later
 CHUNK = 2000  # rows in a message
-PORTS = 20  # tried one after the other
 MAX_MESSAGE = 4096  # bytes from a page
 
 log = logging.getLogger("igrip.page")
@@ -60,14 +58,14 @@ class PageServer:
     Parameters
     ----------
     host, port : str, int
-        Address to listen on; if the port is not free, the next free one is used.
+        Address to listen on; port 0: any that is free.
     on_message : function
         Called, in the server's thread, with each message of a page that is a JSON object.
 
     Raises
     ------
     IgripError
-        If no port is free, or others could reach the address.
+        If the port is not free, or others could reach the address.
     """
 
     def __init__(
@@ -135,17 +133,11 @@ class PageServer:
 
     async def _serve(self) -> None:
         self._events = asyncio.get_running_loop()
-        for port in range(self.port, self.port + PORTS) if self.port else (0,):
-            try:
-                server = await serve(
-                    self._connected, self._host, port, process_request=self._answer,
-                    max_size=MAX_MESSAGE, max_queue=16, compression=None, close_timeout=1.0,
-                    server_header=None, ping_timeout=60, logger=log,
-                )  # fmt: skip
-                break
-            except OSError as error:
-                if error.errno != errno.EADDRINUSE or port == self.port + PORTS - 1:
-                    raise
+        server = await serve(
+            self._connected, self._host, self.port, process_request=self._answer,
+            max_size=MAX_MESSAGE, max_queue=16, compression=None, close_timeout=1.0,
+            server_header=None, ping_timeout=60, logger=log,
+        )  # fmt: skip
         async with server:
             self.port = next(iter(server.sockets)).getsockname()[1]
             self._ready.set()

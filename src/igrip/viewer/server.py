@@ -37,7 +37,7 @@ class Viewer:
     Parameters
     ----------
     host, port : str, int
-        Address to listen on; if the port is not free, the next free one is used.
+        Address to listen on; port 0: any that is free.
     targets : str, optional
         Name of the current estimator.
     choose_targets : function, optional

@@ -56,8 +56,34 @@ def test_recordings_by_name_file_or_path(tmp_path, name):
     assert errors(dataset) == []
 
 
+@pytest.mark.parametrize("name", [
+    "P01/reach0", "recordings/P01/reach0.jsonl", "P01\\reach0.jsonl", "p01/Reach0", "reach0",
+])  # fmt: skip
+def test_recordings_in_a_folder_for_each_person(tmp_path, name):
+    dataset = rewritten(tmp_path, "reach0", name)
+    folder = dataset.path / "recordings"
+    (folder / "P01").mkdir()
+    (folder / "reach0.jsonl").rename(folder / "P01" / "reach0.jsonl")
+    assert dataset.recording(dataset.trials[0]) == folder / "P01" / "reach0.jsonl"
+    assert errors(dataset) == []
+    assert unused_recordings(dataset) == []
+
+
+def test_a_name_in_two_folders_is_no_name(tmp_path):
+    dataset = rewritten(tmp_path, "reach0", "reach0")
+    folder = dataset.path / "recordings"
+    text = (folder / "reach0.jsonl").read_bytes()
+    (folder / "reach0.jsonl").unlink()
+    for person in ("P01", "P02"):
+        (folder / person).mkdir()
+        (folder / person / "reach0.jsonl").write_bytes(text)
+    with pytest.raises(RecordingError, match=r"no recording 'reach0'.*P01/reach0, P02/reach0"):
+        dataset.recording(dataset.trials[0])
+
+
 @pytest.mark.parametrize(
-    "name", ["recordings/../../etc/passwd", "/etc/passwd", "recordings/.hidden"]
+    "name",
+    ["recordings/../../etc/passwd", "recordings/P01/../../x", "/etc/passwd", "recordings/.hidden"],
 )
 def test_recordings_stay_in_their_folder(tmp_path, name):
     dataset = rewritten(tmp_path, "reach0", name)

@@ -10,6 +10,8 @@ from igrip.lab.evaluation.commitments import (
     RELIABILITIES,
     Lease,
     MessageEvidence,
+    at,
+    configured_reliability,
     find_leases,
     first_commitments,
     summarise_commitments,
@@ -40,6 +42,23 @@ def test_the_default_is_one_of_the_reliabilities():
     assert set(RELIABILITIES) >= {0.0, 0.1, 0.5, 1.0, CONFIG.reliability}
     assert list(RELIABILITIES) == sorted(RELIABILITIES)
     assert all(0.0 <= r <= 1.0 for r in RELIABILITIES)
+
+
+def test_a_configured_reliability_is_evaluated_and_summed_up_on_its_own():
+    """What tuning chose counts in the summary, not the library's default."""
+    config = CONFIG.model_copy(update={"reliability": 0.83})
+    messages = [message(k) for k in range(90)]
+    row = first_commitments(messages, config, "right", "cup", BOUNDS)
+    assert row["reliability"] == 0.83
+    frame = pd.DataFrame([row | {"target": "cup"}])
+    without = frame[:0].assign(seconds=[])
+    curve = summarise_commitments(frame, without, configured_reliability(frame))
+    own = at(0.83, curve)
+    assert own is not None
+    assert own["committed"] == 1.0
+    [lease] = find_leases(messages, config)
+    assert own["mean_part"] == pytest.approx(max(0.0, lease.t - BOUNDS[0]))
+    assert at(CONFIG.reliability, curve) is None
 
 
 def test_leases_begin_after_the_dwell_and_once_for_each_reach():
@@ -128,7 +147,7 @@ def test_a_lease_of_another_hand_is_none():
 
 def test_without_a_reach_leases_are_counted():
     row = first((message(k) for k in range(100)), None, "none", None)
-    assert row == {"commits": [1] * len(RELIABILITIES)}
+    assert row == {"reliability": CONFIG.reliability, "commits": [1] * len(RELIABILITIES)}
     assert first([idle(k) for k in range(100)], None, "none", None)["commits"][0] == 0
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from igrip import Config, load_objects
 from igrip.lab.evaluation.averages import average_scores
+from igrip.lab.evaluation.predicted_times import summarise_times
 from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
 from igrip.lab.evaluation.runner import run_trial
 from igrip.lab.evaluation.trial_metrics import FRACTIONS
@@ -64,6 +65,7 @@ def test_summary(run, small_dataset):
         "targets": "paper", "group": "all", "trials": 3, "success": expected["success"],
         "accuracy_40%": expected["accuracy"]["40%"], "accuracy_60%": expected["accuracy"]["60%"],
         **{key: expected[key] for key in ("delay_s", "delay_clipped_s", "margin_s")},
+        "times": summarise_times({key: [row[key] for row in rows] for key in rows[0]}),
     }  # fmt: skip
     assert paper["success"] is not None
 

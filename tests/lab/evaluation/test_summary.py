@@ -7,8 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from igrip.commitment import CommitmentConfig
 from igrip.lab.evaluation.averages import TIMES
 from igrip.lab.evaluation.calibration import interval_over_groups
+from igrip.lab.evaluation.commitments import RELIABILITIES
 from igrip.lab.evaluation.summary import frame_of, reaches_of, scores, summarise, valid_of
 from igrip.lab.evaluation.trial_metrics import FRACTIONS
 
@@ -251,3 +253,37 @@ def test_a_frame_has_every_column():
     assert reaches_of(rows)["recording"].tolist() == ["a", "c"]
     assert valid_of(reaches_of(rows))["recording"].tolist() == ["a"]
     assert isinstance(rows, pd.DataFrame)
+
+
+def test_times_and_first_commitments_of_each_set():
+    """The times are those of the sets; the first commitments are at the default reliability."""
+    k = RELIABILITIES.index(CommitmentConfig().reliability)
+
+    def timed(error, committed, **more):
+        part = [0.9] * len(RELIABILITIES)
+        part[k] = committed
+        held = None if error is None else abs(error) < 0.05
+        times = {"contact_asked_at_60%": True, "contact_error_at_60%": error,
+                 "contact_held_at_60%": held}  # fmt: skip
+        right = [row is not None for row in part]
+        return reach(**times, commit_part=part, commit_right=right, **more)
+
+    paper = summary_of(
+        timed(0.03, 0.4, group="near"), timed(-0.07, None, group="far", valid=False),
+        timed(None, 0.6, group="far"), no_reach(seconds=30.0, commits=list(range(12))),
+    )["targets"]["paper"]  # fmt: skip
+    everywhere = paper["times"]["all"]["contact"]["60%"]
+    assert (everywhere["asked"], everywhere["held"]) == (3, 0.5)
+    assert everywhere["given"] == pytest.approx(2 / 3)
+    assert everywhere["median_s"] == pytest.approx(0.05)
+    assert everywhere["bias_s"] == pytest.approx(-0.02)
+    assert paper["times"]["valid"]["contact"]["60%"]["median_s"] == pytest.approx(0.03)
+    assert paper["times"]["group far"]["contact"]["60%"]["bias_s"] == pytest.approx(-0.07)
+    assert paper["times"]["all"]["end"] == {}
+    first = paper["first_commitments"]
+    assert set(first) == {"all", "valid", "group far", "group near"}
+    assert first["all"]["committed"] == pytest.approx(2 / 3)
+    assert first["all"]["mean_part"] == pytest.approx((0.4 + 0.6 + 1.0) / 3)
+    assert first["valid"]["committed"] == 1.0
+    assert first["all"]["false_per_minute"] == 2 * k
+    assert first["all"]["reliability"] == CommitmentConfig().reliability

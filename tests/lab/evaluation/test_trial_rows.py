@@ -7,6 +7,7 @@ import pytest
 from igrip import Config, load_objects
 from igrip.lab.evaluation import trial_rows
 from igrip.lab.evaluation.commitments import first_commitments
+from igrip.lab.evaluation.predicted_times import contact_time, score_times
 from igrip.lab.evaluation.runner import run_trial
 from igrip.lab.evaluation.trial_description import describe_trial
 from igrip.lab.evaluation.trial_metrics import score_answers
@@ -33,6 +34,10 @@ def test_a_row_is_put_together_from_description_scores_and_commitments(run):
         expected = {"targets": row["targets"], "problem": None, "remark": None}
         expected |= describe_trial(done.recorded, (1.0, 2.0), done.objects)
         expected |= score_answers(done.trial, (1.0, 2.0), estimator.intentions, 2.0)
+        expected |= score_times(
+            "right", "near", (1.0, 2.0), contact_time(done.recorded, (1.0, 2.0)),
+            estimator.intentions, 2.0,
+        )  # fmt: skip
         plain = score_run(done, commitments=False)[rows.index(row)]
         assert plain == expected
         commitment = estimator.config.commitment
@@ -42,6 +47,8 @@ def test_a_row_is_put_together_from_description_scores_and_commitments(run):
     assert rows[0]["success"] is True
     assert rows[0]["depth_gap_m"] is not None
     assert rows[0]["commit_right"][0] is True
+    # 8 cm before the surface is 3 cm before the end of a reach of 17 cm
+    assert 1.5 < rows[0]["contact_s"] < 2.0
 
 
 def test_the_end_of_the_recording_counts(run):

@@ -13,7 +13,7 @@ from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.summary import frame_of, summarise
 from igrip.lab.report import page
 from igrip.lab.report.claims import deviations, findings
-from igrip.lab.report.page import clean, percent, typical, write_report
+from igrip.lab.report.page import clean, error, percent, typical, write_report
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import cohort_parameters
 
@@ -72,6 +72,10 @@ def test_the_page_is_whole_and_says_what_was_found(report):
         assert f"<td>{name}</td>" in page
     assert percent(summary["targets"]["paper"]["valid"]["success"]) in page
     assert "89.9 %" in page  # the paper's, beside ours
+    times = summary["targets"]["paper"]["times"]["all"]["end"]["60%"]
+    assert f"<td>{error(times)}</td>" in page
+    first = summary["targets"]["paper"]["first_commitments"]["all"]
+    assert f"<td>all</td><td>{percent(first['committed'])}</td>" in page
     assert "holds" in page
     assert "p99" in page
 
@@ -150,3 +154,8 @@ def test_claims_hold_or_do_not():
 def test_what_is_not_finite_is_null():
     told = clean({"a": [1.0, math.nan, {"b": math.inf}], "c": "nan"})
     assert told == {"a": [1.0, None, {"b": None}], "c": "nan"}
+
+
+def test_errors_in_milliseconds():
+    assert error({"median_s": 0.0444, "p90_s": 0.1}) == "44 / 100"
+    assert error({"asked": 3, "given": 0.0}) == "\u2013"

@@ -130,7 +130,9 @@ def unused_recordings(dataset: Dataset) -> list[str]:
             used.add(dataset.recording(trial))
         except IgripError:
             continue
-    return [path.name for path in dataset.recordings() if path not in used]
+    folder = dataset.path / "recordings"
+    unused = [path for path in dataset.recordings() if path not in used]
+    return [path.relative_to(folder).as_posix() for path in unused]
 
 
 def _task_flaws(trial: Trial, content: _Content) -> list[Flaw]:

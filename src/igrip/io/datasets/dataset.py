@@ -1,4 +1,4 @@
-"""Datasets: a folder of recordings with a table of trials (DESIGN §4)."""
+"""Datasets: a folder of recordings with a table of trials; docs/datasets.md has the format."""
 
 from __future__ import annotations
 
@@ -93,27 +93,34 @@ class Dataset:
             If there is none.
         """
         name = recording_name(trial.recording)
-        _check_name(name)
+        for part in name.split("/"):
+            _check_name(part)
         folder = self.path / "recordings"
         for ending in SOURCES.names():
             path = folder / f"{name}.{ending}"
             if path.is_file():
                 return path
-        there = self.recordings()
-        alike = [path for path in there if _alike(path.stem, name)]
+        known = self._by_name
+        alike = [path for own, path in known.items() if _alike(own, name)]
+        # a file in one of the folders may be named without it
+        alike = alike or [path for path in known.values() if _alike(path.stem, name)]
         if len(alike) == 1:
             return alike[0]
-        names = [path.stem for path in there]
         raise RecordingError(
-            f"{folder}: no recording {name!r}{near_miss(name, names)}; found "
-            f"{shortened(names, 5) or 'none'}"
+            f"{folder}: no recording {name!r}{near_miss(name, list(known))}; found "
+            f"{shortened(list(known), 5) or 'none'}"
         )
 
     def recordings(self) -> list[Path]:
         """Return the files of all recordings, also of those that no trial names."""
-        folder, endings = self.path / "recordings", SOURCES.names()
-        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        inside, endings = sorted((self.path / "recordings").rglob("*")), SOURCES.names()
         return [path for path in inside if path.suffix.lower().lstrip(".") in endings]
+
+    @cached_property
+    def _by_name(self) -> dict[str, Path]:
+        """The recordings by their path in their folder, without the ending."""
+        folder = self.path / "recordings"
+        return {p.relative_to(folder).with_suffix("").as_posix(): p for p in self.recordings()}
 
     @cached_property
     def frame(self) -> DeclaredFrame:

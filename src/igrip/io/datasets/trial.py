@@ -1,4 +1,4 @@
-"""The table of trials of a dataset, ``trials.tsv`` (DESIGN §4)."""
+"""The table of trials of a dataset, ``trials.tsv``; docs/datasets.md has the format."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ angle, which is what Vicon's software exports unless another form is chosen.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from igrip.errors import DatasetError
@@ -36,9 +37,10 @@ def vicon(head: Head) -> Layout | None:
     columns: dict[str, dict[str, int]] = {}
     paths: list[tuple[str, ...]] = []
     current = ""
+    known = _names(names)
     for k, part in enumerate(parts):
         current = (names[k] if k < len(names) else "") or current
-        name = _name(current)
+        name = known.get(current, current)
         if k < 2 or not part or not name:
             paths.append((part or f"column {k + 1}",))
             continue
@@ -66,12 +68,23 @@ def vicon(head: Head) -> Layout | None:
     )
 
 
-def _name(text: str) -> str:
-    """Return a body's name without its subject: ``Anna:RWRA`` is ``RWRA``."""
-    for prefix in ("Global Angle ", "Global Position "):
-        text = text.removeprefix(prefix)
-    subject, colon, name = text.partition(":")
-    return name if colon and name else subject
+def _names(cells: Sequence[str]) -> dict[str, str]:
+    """Return the bodies' names without their subjects: ``Anna:RWRA`` is ``RWRA``.
+
+    Subjects stay where two have a body of one name.
+    """
+    full = {}
+    for cell in dict.fromkeys(cells):
+        text = cell
+        for prefix in ("Global Angle ", "Global Position "):
+            text = text.removeprefix(prefix)
+        full[cell] = text
+    short = {}
+    for text in dict.fromkeys(full.values()):
+        subject, _, name = text.partition(":")
+        short[text] = name or subject
+    count = Counter(short.values())
+    return {cell: short[text] if count[short[text]] == 1 else text for cell, text in full.items()}
 
 
 def _body(

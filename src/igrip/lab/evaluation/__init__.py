@@ -8,6 +8,7 @@ The files, in the order of the data:
 - ``trial_description``: task, validity and layout of the trial, from these.
 - ``trials``: the rules for one sequence of answers: success, delay, margin, detection.
 - ``trial_metrics``: the numbers of one estimator in one trial, by these rules.
+- ``predicted_times``: when the hand was at its target, and how well that was predicted.
 - ``commitments``, ``calibration``: when leases would begin; whether probabilities hold.
 - ``trial_rows``: a trial as rows of the table, one per estimator, out of all of the above.
 - ``averages``, ``summary``: rows to means, Table I, and ``summary.json``.

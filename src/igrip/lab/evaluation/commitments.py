@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,10 +13,14 @@ from igrip.lab.evaluation.recorded_trial import Bounds
 if TYPE_CHECKING:
     import pandas as pd
 
-RELIABILITIES = tuple(
-    sorted({*(round(0.1 * k, 1) for k in range(11)), CommitmentConfig().reliability})
-)
-"""Reliabilities at which commitments are evaluated; the default is among them."""
+
+def reliabilities(configured: float) -> tuple[float, ...]:
+    """Return the reliabilities at which commitments are evaluated; the configured is among them."""
+    return tuple(sorted({*(round(0.1 * k, 1) for k in range(11)), configured}))
+
+
+RELIABILITIES = reliabilities(CommitmentConfig().reliability)
+"""Those of the default configuration."""
 
 
 class MessageEvidence(NamedTuple):
@@ -36,10 +40,16 @@ class Lease(NamedTuple):
 
 def find_leases(messages: Iterable[MessageEvidence], config: CommitmentConfig) -> list[Lease]:
     """Return the leases that begin in a recording, as if nobody had to confirm them."""
+    return list(iterate_leases(messages, config))
+
+
+def iterate_leases(
+    messages: Iterable[MessageEvidence], config: CommitmentConfig
+) -> Iterator[Lease]:
+    """Yield them as they begin: who wants the first alone need not wait for the others."""
     config = config.model_copy(update={"needs_confirmation": False})
     committers: dict[str, Committer] = {}
     newest: dict[str, tuple[str, float]] = {}
-    leases = []
     for message in messages:
         for hand in message.rejected & committers.keys():
             committers[hand].reject()
@@ -50,9 +60,8 @@ def find_leases(messages: Iterable[MessageEvidence], config: CommitmentConfig) -
             if lease is None:
                 continue
             if newest.get(hand) != (lease.target, lease.since):
-                leases.append(Lease(evidence.t, hand, lease.target))
+                yield Lease(evidence.t, hand, lease.target)
             newest[hand] = lease.target, lease.since
-    return leases
 
 
 def first_commitments(
@@ -64,20 +73,21 @@ def first_commitments(
 ) -> dict[str, Any]:
     """Return, for each reliability, when and how rightly a trial's hand was first committed for.
 
-    Of a reach: ``commit_part``, the part of the movement at the first lease (0 before the onset,
-    None without one until the end), ``commit_right`` whether it was for the target. Of a recording
-    without one: ``commits``, how many leases began.
+    ``reliability`` is the configured one. Of a reach: ``commit_part``, the part of the movement at
+    the first lease (0 before the onset, None without one until the end), ``commit_right`` whether
+    it was for the target. Of a recording without one: ``commits``, how many leases began.
     """
     messages = list(messages)
     curve = [
         find_leases(messages, config.model_copy(update={"reliability": reliability}))
-        for reliability in RELIABILITIES
+        for reliability in reliabilities(config.reliability)
     ]
+    configured = {"reliability": config.reliability}
     if bounds is None:
-        return {"commits": [len(leases) for leases in curve]}
+        return configured | {"commits": [len(leases) for leases in curve]}
     onset, end = bounds
     firsts = [next((s for s in leases if s.hand == hand and s.t <= end), None) for leases in curve]
-    return {
+    return configured | {
         "commit_part": [
             None if first is None else max(0.0, (first.t - onset) / (end - onset))
             for first in firsts
@@ -86,7 +96,20 @@ def first_commitments(
     }
 
 
-def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dict[str, Any]]:
+def configured_reliability(rows: pd.DataFrame) -> float:
+    """Return the reliability that the trials of one estimator were evaluated with."""
+    known = rows["reliability"].dropna().tolist() if "reliability" in rows else []
+    return float(known[0]) if known else CommitmentConfig().reliability
+
+
+def at(reliability: float, curve: Iterable[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return the entry of :func:`summarise_commitments` at a reliability, if any."""
+    return next((entry for entry in curve if entry["reliability"] == reliability), None)
+
+
+def summarise_commitments(
+    reaches: pd.DataFrame, none: pd.DataFrame, configured: float = CommitmentConfig().reliability
+) -> list[dict[str, Any]]:
     """Return one entry for each reliability.
 
     ``committed`` is the share of reaches with a lease before their end, ``right`` the share of
@@ -101,7 +124,7 @@ def summarise_commitments(reaches: pd.DataFrame, none: pd.DataFrame) -> list[dic
     if not len(part) and not minutes:
         return []
     curve = []
-    for k, reliability in enumerate(RELIABILITIES):
+    for k, reliability in enumerate(reliabilities(configured)):
         entry: dict[str, Any] = {"reliability": reliability}
         if len(part):
             given = ~np.isnan(part[:, k])  # where None was

@@ -54,14 +54,14 @@ def movement_bounds(times: Array, speeds: Array, noisy: bool = False) -> tuple[f
     return float(times[before[0]]), float(times[peak + 1 + slow[0]])
 
 
-def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
-    """Return speeds of a raw trace after a median filter and a zero-phase low-pass, on even times.
+def smooth_positions(times: Array, positions: Array) -> tuple[Array, Array]:
+    """Return a raw trace after a median filter and a zero-phase low-pass, on even times.
 
     From increasing times (n,) [s] and positions (n, 3) [m], whose gaps are bridged by straight
-    lines, to times and speeds (m,) at the median rate of the trace [s, m/s]; both are empty where
-    the trace is too short to filter, or nearly all of its time is a gap.
+    lines, to times (m,) [s] and positions (m, 3) [m] at the median rate of the trace; both are
+    empty where the trace is too short to filter, or nearly all of its time is a gap.
     """
-    nothing = np.empty(0), np.empty(0)
+    nothing = np.empty(0), np.empty((0, 3))
     if len(times) < 3:
         return nothing
     step = float(np.median(np.diff(times)))
@@ -73,5 +73,13 @@ def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
     if len(even) <= PADDING:
         return nothing
     sections = butter(2, min(CUTOFF, 0.45 / step), fs=1.0 / step, output="sos")
-    smooth = sosfiltfilt(sections, points, axis=0, padlen=PADDING)
+    return even, sosfiltfilt(sections, points, axis=0, padlen=PADDING)
+
+
+def smooth_speeds(times: Array, positions: Array) -> tuple[Array, Array]:
+    """Return times and speeds (m,) of what :func:`smooth_positions` returns [s, m/s]."""
+    even, smooth = smooth_positions(times, positions)
+    if not len(even):
+        return even, np.empty(0)
+    step = float(np.median(np.diff(times)))
     return even, np.linalg.norm(np.gradient(smooth, step, axis=0), axis=1)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from igrip.geometry.scene import PlacedObject
 from igrip.io.datasets.dataset import Trial
 from igrip.lab.evaluation.movement import movement_bounds, smooth_speeds
 from igrip.lab.evaluation.trials import MAX_MISSED
@@ -29,6 +31,8 @@ class RecordedTrial:
     hand_times: list[float] = field(default_factory=list)  # of raw measurements [s]
     hand_positions: list[tuple[float, float, float]] = field(default_factory=list)  # [m]
     objects: set[str] = field(default_factory=set)  # ids of all that were ever detected
+    target_poses: list[tuple[float, PlacedObject]] = field(default_factory=list)
+    """The target from when on [s], wherever it was placed anew."""
     observed: int = 0  # messages with the hand, and the target if looked for
 
     def add(self, observation: Observation) -> None:
@@ -49,6 +53,18 @@ class RecordedTrial:
             complete &= self.target_detected[-1]
         self.observed += complete
         self.objects |= {id for id, pose in observation.objects.items() if pose is not None}
+
+    def place_target(self, t: float, objects: Iterable[PlacedObject]) -> None:
+        """Note where the target is among the objects that can be used at a time [s]."""
+        placed = next((one for one in objects if one.id == self.trial.target), None)
+        if placed is None:
+            return
+        if self.target_poses:
+            before = self.target_poses[-1][1]
+            same = np.array_equal(placed.translation, before.translation)
+            if same and np.array_equal(placed.rotation, before.rotation):
+                return
+        self.target_poses.append((t, placed))
 
     @property
     def seconds(self) -> float:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.averages import average_scores
+from igrip.lab.evaluation.predicted_times import summarise_times
 from igrip.lab.evaluation.runner import TrialRun
 from igrip.lab.evaluation.trial_rows import Row, score_run
 
@@ -64,7 +65,9 @@ def _averages(rows: Sequence[Row]) -> dict[str, Any]:
     reaches = [row for row in rows if "success" in row]
     if not reaches:
         return {"trials": 0}
-    averages = average_scores({key: [row[key] for row in reaches] for key in reaches[0]})
+    columns = {key: [row[key] for row in reaches] for key in reaches[0]}
+    averages = average_scores(columns)
     accuracy = averages.pop("accuracy")
     result = {"trials": len(reaches), "success": averages["success"]}
-    return result | {f"accuracy_{part}": accuracy[part] for part in FRACTIONS} | averages
+    result |= {f"accuracy_{part}": accuracy[part] for part in FRACTIONS} | averages
+    return result | {"times": summarise_times(columns)}

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 import multiprocessing
 import os
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeVar
@@ -96,8 +99,10 @@ def run_trial(
             run.recorded.add(observation)
             for estimator in run.estimators:
                 estimator.update(observation)
+            objects = first.objects
+            run.recorded.place_target(observation.t, objects)
             if trial.onset_s is None or observation.t <= trial.onset_s or not run.objects:
-                run.objects = first.objects
+                run.objects = objects
         run.cut = describe_damage(reader)
     except IgripError as error:
         run.problem = str(error)
@@ -146,7 +151,26 @@ def run_trials(
     context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
     with ProcessPoolExecutor(jobs, context, _start_worker, (run, analyse)) as pool:
         chunk = max(1, min(MAX_CHUNK, len(trials) // (8 * jobs)))
-        yield from pool.map(_work, trials, chunksize=chunk)
+        with _interrupts_ignored():  # Ctrl-C is for this process; the others are started here
+            results = pool.map(_work, trials, chunksize=chunk)
+        try:
+            yield from results
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C within, also in processes that are started there, as long as they live."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # other threads are never interrupted
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def count_jobs(jobs: int, trials: int) -> int:

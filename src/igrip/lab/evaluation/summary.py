@@ -11,7 +11,8 @@ import pandas as pd
 
 from igrip.lab.evaluation.averages import TIMES, average_scores, mean, numbers
 from igrip.lab.evaluation.calibration import ReliabilityBins, interval_over_groups
-from igrip.lab.evaluation.commitments import summarise_commitments
+from igrip.lab.evaluation.commitments import at, configured_reliability, summarise_commitments
+from igrip.lab.evaluation.predicted_times import summarise_times
 from igrip.lab.evaluation.trial_description import NO_REACH
 
 CONDITIONS = ("view", "movement", "grip", "hand", "target", "group", "participant")
@@ -83,6 +84,11 @@ def _estimator(rows: pd.DataFrame) -> dict[str, Any]:
     reaches, none = reaches_of(rows), _without_reach(rows)
     valid = valid_of(reaches)
     groups = reaches[reaches["group"].notna()].groupby("group")
+    sets = {"all": reaches, "valid": valid, **{f"group {name}": part for name, part in groups}}
+    reliability = configured_reliability(rows)
+    commitment = {
+        name: summarise_commitments(part, none, reliability) for name, part in sets.items()
+    }
     return {
         "valid": scores(valid),
         "all": scores(reaches),
@@ -94,11 +100,9 @@ def _estimator(rows: pd.DataFrame) -> dict[str, Any]:
         "participants": _over_participants(valid),
         "no_reach": _no_reach(none),
         "calibration": _calibration(reaches),
-        "commitment": {
-            "all": summarise_commitments(reaches, none),
-            "valid": summarise_commitments(valid, none),
-            **{f"group {name}": summarise_commitments(part, none) for name, part in groups},
-        },
+        "times": {name: summarise_times(part) for name, part in sets.items()},
+        "commitment": commitment,
+        "first_commitments": {name: at(reliability, curve) for name, curve in commitment.items()},
     }
 
 

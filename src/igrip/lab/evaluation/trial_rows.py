@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from igrip.lab.evaluation.commitments import first_commitments
+from igrip.lab.evaluation.predicted_times import contact_time, score_times
 from igrip.lab.evaluation.runner import EstimatorRun, TrialRun
 from igrip.lab.evaluation.trial_description import (
     NO_REACH,
@@ -46,8 +47,13 @@ def _score(run: TrialRun, commitments: bool) -> list[Row]:
     remarks = run.unknown_objects + find_remarks(recorded, bounds) + ([run.cut] if run.cut else [])
     row["remark"] = "; ".join(remarks) or None
 
+    contact = contact_time(recorded, bounds) if bounds and trial.target else None
+
     def score(estimator: EstimatorRun) -> Row:
-        scores = score_answers(trial, bounds, estimator.intentions, recorded.times[-1])
+        intentions, last = estimator.intentions, recorded.times[-1]
+        scores = score_answers(trial, bounds, intentions, last)
+        if bounds and trial.target:
+            scores |= score_times(trial.hand, trial.target, bounds, contact, intentions, last)
         if commitments:
             scores |= first_commitments(
                 estimator.evidence, estimator.config.commitment, trial.hand, trial.target, bounds

@@ -16,6 +16,7 @@ import pandas as pd
 from igrip.config import Config
 from igrip.errors import requires_extra
 from igrip.io.datasets.dataset import Dataset
+from igrip.lab.evaluation.predicted_times import PARTS
 from igrip.lab.evaluation.runner import run_trial
 from igrip.lab.evaluation.summary import reaches_of, valid_of
 from igrip.lab.evaluation.trial_metrics import FRACTIONS
@@ -62,13 +63,16 @@ def write_report(
     }
     pictures = {name: _save(figure, out, name) for name, figure in drawn.items() if figure}
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"percent": percent, "seconds": seconds, "interval": interval}
+    environment.filters |= {
+        "percent": percent, "seconds": seconds, "interval": interval, "error": error,
+    }  # fmt: skip
     template = environment.from_string(
         (files("igrip.lab.report") / "report.html").read_text(encoding="utf-8")
     )
     page = template.render(
         summary=summary, pictures=pictures, leading=leading.targets,
-        fractions=[f"{f:.0%}" for f in FRACTIONS],
+        fractions=[f"{f:.0%}" for f in FRACTIONS], parts=[f"{part:.0%}" for part in PARTS],
+        reliability=leading.commitment.reliability,
         table_i=claims.TABLE_I, grip=claims.GRIP, conditions=claims.CONDITIONS,
         paper_valid=claims.VALID_SHARE, paper_observed=claims.OBSERVED_SHARE,
         findings=claims.findings(summary), deviations=claims.deviations(summary),
@@ -129,6 +133,12 @@ def percent(value: float | None) -> str:
 def seconds(value: float | None) -> str:
     """Return a time with two decimals [s]."""
     return "–" if value is None or not math.isfinite(value) else f"{value:.2f}"
+
+
+def error(times: Mapping[str, Any]) -> str:
+    """Return median and 90th percentile of the error of a predicted time [ms]."""
+    median, ninety = times.get("median_s"), times.get("p90_s")
+    return "–" if median is None or ninety is None else f"{1e3 * median:.0f} / {1e3 * ninety:.0f}"
 
 
 def interval(value: Sequence[float] | None) -> str:

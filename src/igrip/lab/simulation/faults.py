@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from igrip.entities import Hand, ObjectPose
-from igrip.errors import IgripError
+from igrip.errors import IgripError, UnknownNameError
 from igrip.observation import Observation
 
 TICK = 0.05  # s between ticks where messages fail to come, as a live source sends them
@@ -42,7 +42,9 @@ class Fault:
             If it is neither, or there is no such kind.
         """
         found = SPEC.fullmatch(text)
-        if found is None or found["kind"] not in KINDS:
+        if found is not None and found["kind"] not in KINDS:
+            raise UnknownNameError("fault", found["kind"], sorted(KINDS))
+        if found is None:
             raise IgripError(
                 f"fault {text!r:.80}: expected KIND@BEGIN+SECONDS or KIND:RATE[xSECONDS], such as "
                 f"freeze@3+0.5 or jump:0.2x0.1; kinds: {', '.join(sorted(KINDS))}"

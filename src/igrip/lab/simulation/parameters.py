@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 
-from igrip.errors import IgripError
+from igrip.errors import UnknownNameError
 from igrip.settings import Settings, quantity
 
 PAPER = "paper, Sec. Experiment"
@@ -158,11 +158,11 @@ def cohort_parameters(profile: str = "healthy") -> CohortParameters:
 
     Raises
     ------
-    IgripError
+    UnknownNameError
         If there is no such profile.
     """
     if profile not in PROFILES:
-        raise IgripError(f"there is no profile {profile!r:.80}: choose {', '.join(PROFILES)}")
+        raise UnknownNameError("profile", profile, PROFILES)
     return CohortParameters(profile=profile, person=PROFILES[profile])
 
 

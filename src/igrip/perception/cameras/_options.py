@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import unquote
 
-from igrip.errors import CameraError
+from igrip.errors import CameraError, did_you_mean
 
 
 def split_options(rest: str, defaults: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -30,7 +30,8 @@ def split_options(rest: str, defaults: Mapping[str, Any]) -> tuple[str, dict[str
     for part in text.split("&") if text else ():
         key, _, value = part.partition("=")
         if key not in defaults:
-            raise CameraError(f"no option is named {key!r}; there are: {', '.join(defaults)}")
+            near = did_you_mean(key, defaults)
+            raise CameraError(f"no option is named {key!r}{near}; there are: {', '.join(defaults)}")
         try:
             options[key] = _convert(unquote(value), defaults[key])
         except ValueError:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from igrip.errors import IgripError
-from igrip.settings import Settings
+from igrip.settings import Settings, problem_of
 
 S = TypeVar("S", bound=Settings)
 
@@ -33,6 +33,4 @@ def validated(kind: type[S], estimator: str, options: Mapping[str, Any]) -> S:
     try:
         return kind(**options)
     except ValidationError as error:
-        first = error.errors()[0]
-        name = ".".join(map(str, first["loc"]))
-        raise IgripError(": ".join(filter(None, (estimator, name, first["msg"])))) from error
+        raise IgripError(f"{estimator}: {problem_of(error)}") from error

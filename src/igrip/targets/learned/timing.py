@@ -27,7 +27,7 @@ FORMAT = "igrip-timing/1"
 FILE = Path(__file__).with_name("timing.json")
 INPUTS = (*LOCAL, *SHARED, "log_elapsed", "log_distance")
 QUANTILES = (0.1, 0.5, 0.9)
-CONTACT_DISTANCE = 0.08  # m from palm to surface at which a grasp makes contact (SPEC §9)
+CONTACT_DISTANCE = 0.08  # m from palm to surface at which a grasp makes contact
 MIN_ELAPSED, MIN_DISTANCE = 0.03, 0.02  # s, m: keep the logarithms finite
 MAX_INPUT = 4.0
 
