@@ -137,7 +137,7 @@ def live(
         problems = ProblemPrinter(source, pipeline)
         person_at_page = Sender(lambda error: warn(str(error)), "the page")
         viewer = None if headless else open_page(
-            page_port, targets=config.targets,
+            page_port, targets=settings.targets,
             on_command=lambda command: loop.submit(command, person_at_page),
         )  # fmt: skip
         if viewer is not None:
