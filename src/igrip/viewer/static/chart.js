@@ -18,7 +18,7 @@ export class Chart {
   constructor(host, { title, height, axis, onSeek }) {
     this.axis = axis;
     this.height = height;
-    this.drawn = [];
+    this.drawn = null;
     const figure = document.createElement("figure");
     figure.className = "chart";
     const caption = document.createElement("figcaption");
@@ -89,7 +89,7 @@ export class Chart {
       ctx.lineTo(x(cursor), above - 2);
       ctx.fill();
     }
-    this.drawn = lines.map((line) => ({ name: line.name, segments: line.segments }));
+    this.drawn = { from, to, cursor, frame: this.frame, lines };
   }
 
   #axes(ctx, { above, left, width, height, wide, high, from, to, marks, x, y, rows }) {

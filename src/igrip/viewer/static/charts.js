@@ -1,6 +1,6 @@
 // The charts of each hand, in a column of its own: probability, decisions, and the cues' scores.
 import { Chart } from "./chart.js";
-import { chip, element, handName, INK, look } from "./looks.js";
+import { chip, element, handName, INK, look, objectName } from "./looks.js";
 import { begin, end, hands, isRecording, objects, segments, shownTime, store } from "./store.js";
 
 const MOST = 8; // lines in a chart
@@ -99,7 +99,7 @@ function build(host, scoresHost, shown, cues, onSeek) {
       add(column, "probability", "Score of each object (not a probability)", 190, { min: 0, max: 1, name: "score" },
         (from, to) => ids.map((id) => lineOf(id, hand, from, to, (row) => row.scores?.[id]?.global)));
     }
-    const rows = [...ids.map((id) => `${look(id).letter} ${id}`), "undecided", ...GRIPS, "permission"];
+    const rows = [...ids.map((id) => `${look(id).letter} ${objectName(id)}`), "undecided", ...GRIPS, "permission"];
     add(column, "decision", "Decision, grip and permission", 62 + 15 * rows.length, { rows },
       (from, to) => decisionLines(hand, ids, from, to));
     const scores = element("section", { class: "column", "aria-label": `${handName(hand)}, scores` },

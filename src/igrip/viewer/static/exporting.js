@@ -1,5 +1,5 @@
 // A picture or a film of what the page shows: the scene, the camera, the sentences, the bars.
-import { handName, INK, look, percent, seconds } from "./looks.js";
+import { handName, INK, look, objectName, percent, seconds } from "./looks.js";
 import { objects, shownRows, shownTime } from "./store.js";
 
 const WIDTH = 1280;
@@ -42,7 +42,7 @@ export function compose(canvas) {
   for (const row of shownRows()) {
     y += 12;
     write(handName(row.hand), 16, "600");
-    write(row.subject ? `${row.verb} ${row.subject}` : row.verb, 26, "700");
+    write(row.subject ? `${row.verb} ${objectName(row.subject)}` : row.verb, 26, "700");
     if (row.subject) write(`${row.grip ?? "–"} grip · contact in ${seconds(row.contact_in)}`, 16);
     for (const id of row.p ? [...objects(), "none"].slice(0, 9) : []) {
       const p = row.p[id] ?? 0;
@@ -50,11 +50,11 @@ export function compose(canvas) {
       ctx.fillRect(x + 160, y + 2, p * (SIDE - 250), 14);
       ctx.fillStyle = INK;
       ctx.font = "14px system-ui, sans-serif";
-      ctx.fillText(`${look(id).letter} ${id}`, x, y + 2, 150);
+      ctx.fillText(`${look(id).letter} ${objectName(id)}`, x, y + 2, 150);
       ctx.fillText(percent(p), x + SIDE - 84, y + 2);
       y += 20;
     }
-    write(row.lease ? `Permission: ${row.lease.grip} grip of ${row.lease.target}` : "No permission to act", 15);
+    write(row.lease ? `Permission: ${row.lease.grip} grip of ${objectName(row.lease.target)}` : "No permission to act", 15);
   }
   return canvas;
 }

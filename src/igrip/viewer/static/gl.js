@@ -59,7 +59,7 @@ export class Renderer {
     gl.bindVertexArray(null);
   }
 
-  // Read what page_messages.mesh_bytes wrote.
+  // Read what page_messages.encode_mesh wrote.
   upload(data) {
     const gl = this.gl;
     const [vertices, faces] = new Uint32Array(data, 0, 2);

@@ -1,5 +1,5 @@
 // A card for each hand: the sentence, the probabilities, grip and time to contact, the lease.
-import { chip, element, handName, look, percent, seconds } from "./looks.js";
+import { chip, element, handName, look, objectName, percent, seconds } from "./looks.js";
 import { hands, isRecording, objects, shownRows, store } from "./store.js";
 
 const LEASE = 0.15; // s, the length of a new lease
@@ -146,7 +146,7 @@ function fillLease(card) {
   }
   const left = lease ? lease.valid_until - now : 0;
   const holds = lease && left > 0;
-  setText(card.lease, holds ? `Permission: ${lease.grip} grip of ${lease.target}`
+  setText(card.lease, holds ? `Permission: ${lease.grip} grip of ${objectName(lease.target)}`
     : lease ? "Permission expired"
     : card.assisted || !row ? "No permission to act" : "No device assists this hand");
   setText(card.left, holds ? seconds(left, 2) : "");

@@ -44,9 +44,11 @@ export function chip(id) {
   const shown = look(id);
   const badge = element("span", { class: "letter", "aria-hidden": "true" }, shown.letter);
   badge.style.borderColor = shown.colour;
-  return element("span", { class: "chip" }, badge, element("span", {}, id));
+  return element("span", { class: "chip" }, badge, element("span", {}, objectName(id)));
 }
 
+// An object whose id is the name of a hand is called an object.
+export const objectName = (id) => (/^(left|right)\b/i.test(id) ? `object “${id}”` : id);
 export const handName = (id) => (/^(left|right)$/.test(id) ? `${id[0].toUpperCase()}${id.slice(1)} hand` : `Hand ${id}`);
 export const percent = (p) => (p === null || p === undefined ? "–" : `${Math.round(100 * p)} %`);
 export const seconds = (s, digits = 1) => (s === null || s === undefined ? "–" : `${s.toFixed(digits)} s`);

@@ -123,6 +123,6 @@ byId("rays").addEventListener("change", (event) => {
 byId("csv").addEventListener("click", () => save(new Blob([csv()], { type: "text/csv" }), "igrip.csv"));
 for (const box of document.querySelectorAll("details")) box.addEventListener("toggle", changed);
 window.addEventListener("resize", changed);
-window.igrip = { store, scene, charts: dump }; // for tests and for the curious
+window.igrip = { store, scene, charts: dump, settled: () => !dirty && !scene.dirty }; // for tests and for the curious
 connect();
 requestAnimationFrame(frame);

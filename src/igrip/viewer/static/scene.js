@@ -1,7 +1,7 @@
 // What is drawn in three dimensions, and the labels over it.
 import { Camera } from "./camera.js";
 import { Renderer } from "./gl.js";
-import { GREY, handName, INK, look } from "./looks.js";
+import { GREY, handName, INK, look, objectName } from "./looks.js";
 import { shownScene } from "./store.js";
 
 const GRID = 0.1; // m between two lines
@@ -13,7 +13,8 @@ export class Scene {
     this.canvas = gl;
     this.labels = labels;
     this.meshes = new Map();
-    this.drawnTargets = [];
+    this.drawnTargets = []; // ids, and the labels, for tests
+    this.drawnLabels = [];
     try {
       this.renderer = new Renderer(gl);
     } catch {
@@ -62,6 +63,7 @@ export class Scene {
       this.#drawHands(scene, labels);
     }
     this.#drawLabels(view, labels);
+    this.drawnLabels = labels;
   }
 
   #resize() {
@@ -112,7 +114,7 @@ export class Scene {
       }
       if (placed.label === false) continue;
       labels.push({
-        at: placed.top, text: placed.id, letter: placed.colour ? null : shown.letter, colour: shown.colour,
+        at: placed.top, text: objectName(placed.id), letter: placed.colour ? null : shown.letter, colour: shown.colour,
         note: aimed ? `◀ ${aimed.join(", ")}` : "",
       });
     }

@@ -1,5 +1,5 @@
 // Tables: each hand now, the stages of a live run, the trials of a dataset; and all values as CSV.
-import { chip, element, handName, percent, seconds } from "./looks.js";
+import { chip, element, handName, objectName, percent, seconds } from "./looks.js";
 import { objects, shownRows, shownTime, store } from "./store.js";
 
 const PAGE = 100; // trials shown at once
@@ -17,7 +17,7 @@ export function drawTable(host) {
     handName(row.hand), row.verb, row.subject ? chip(row.subject) : "–",
     ...ids.map((id) => (row.p ? percent(row.p[id]) : "–")),
     row.subject ? row.grip ?? "–" : "–", row.subject ? seconds(row.contact_in) : "–",
-    row.lease ? `${row.lease.target}, until ${row.lease.valid_until.toFixed(2)} s` : "–",
+    row.lease ? `${objectName(row.lease.target)}, until ${row.lease.valid_until.toFixed(2)} s` : "–",
     row.speed === undefined ? "–" : `${row.speed.toFixed(2)} m/s`,
   ]);
   const heads = ["hand", "does", "target", ...ids.map((id) => (id === "none" ? "none" : chip(id))), "grip",

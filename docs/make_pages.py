@@ -1,0 +1,137 @@
+"""Photograph every page of igrip at three widths: part of ``make pictures``.
+
+The commands are those that a person types; the page is photographed at a moment with something to
+see.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+FOLDER = Path(__file__).parent / "pictures" / "pages"
+SIZES = {1920: 1080, 820: 1180, 390: 844}  # pixels, width to height
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--ignore-gpu-blocklist", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync"]  # fmt: skip
+PATIENCE = 180.0  # s
+SECONDS = 9.0  # of a live scene before it is photographed, so that its charts have a history
+
+
+@contextmanager
+def served(*arguments: object) -> Iterator[str]:
+    """Run a command that serves a page; yield the address; end it by Ctrl-C."""
+    command = [sys.executable, "-m", "igrip", *map(str, arguments)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
+        assert process.stderr is not None
+        try:
+            found = (re.search(r"http://localhost:\d+", line) for line in process.stderr)
+            yield next(match for match in found if match)[0]
+        finally:
+            process.send_signal(signal.SIGINT)
+
+
+def live_moment(page: Page, camera: bool) -> bool:
+    """Whether a hand reaches for something, after a while, and the camera's picture is there."""
+    return bool(page.evaluate(
+        """([after, camera]) => {
+          const { store } = window.igrip
+          const image = document.querySelector('#cameras img')
+          return store.scene && store.scene.t > after && document.querySelector('.card.sure')
+            && (!camera || image?.naturalWidth > 0)
+        }""", [SECONDS, camera],
+    ))  # fmt: skip
+
+
+def photograph_live(page: Page, name: str, camera: bool = False) -> None:
+    """Photograph a scene in motion while a hand reaches, before and after the shutter."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if live_moment(page, camera):
+            page.screenshot(path=FOLDER / name)
+            if live_moment(page, camera):
+                return
+        page.wait_for_timeout(30)
+    raise AssertionError(f"{name}: no such moment")
+
+
+def photograph_recording(page: Page, name: str) -> None:
+    """Photograph the middle of the first lease of a recording."""
+    page.locator("#play").wait_for()
+    times = page.evaluate(
+        "[...igrip.store.rows.values()].flat().filter((row) => row.lease).map((row) => row.t)"
+    )
+    middle = times[len(times) // 2]
+    page.evaluate(
+        "(t) => { const s = document.getElementById('slider'); s.value = t;"
+        " s.dispatchEvent(new Event('input')) }", middle,
+    )  # fmt: skip
+    page.locator(".card.permitted").first.wait_for()
+    page.wait_for_timeout(3000)
+    page.screenshot(path=FOLDER / name)
+
+
+def photograph_still(page: Page, name: str) -> None:
+    """Photograph a page on which nothing moves."""
+    page.wait_for_timeout(3000)
+    page.screenshot(path=FOLDER / name)
+
+
+def at_each_width(
+    browser: Browser, url: str, name: str, shot: Callable[[Page, str], None]
+) -> None:
+    """Photograph an address in windows of each width."""
+    for width, height in SIZES.items():
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.goto(url)
+        shot(page, f"{name}-{width}.png")
+        page.close()
+
+
+def main(names: list[str]) -> None:
+    """Photograph the pages with these names; all, if there are none."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    chosen = set(names) or {"demo", "live", "view", "grips", "report"}
+    with sync_playwright() as play, tempfile.TemporaryDirectory() as folder:
+        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        cohort, report = Path(folder) / "cohort", Path(folder) / "report"
+        if chosen & {"view", "report"}:
+            igrip("simulate", cohort, "--participants", 3, "--trials", 4, "--no-reach", 1)
+        if "demo" in chosen:
+            with served("demo", "--port", 0, "--duration", 600) as url:
+                at_each_width(browser, url, "demo", photograph_live)
+        if "live" in chosen:
+            with served("live", "--camera", "rendered", "--page-port", 0) as url:
+                at_each_width(
+                    browser, url, "live", lambda page, name: photograph_live(page, name, True)
+                )
+        if "view" in chosen:
+            with served("view", cohort, "--trial", 3, "--port", 0) as url:
+                at_each_width(browser, url, "view", photograph_recording)
+        if "grips" in chosen:
+            with served("grips", "--page", "--port", 0) as url:
+                at_each_width(browser, url, "grips", photograph_still)
+        if "report" in chosen:
+            igrip("evaluate", cohort, "--out", report)
+            address = (report / "report.html").as_uri()
+            at_each_width(browser, address, "report", photograph_still)
+        browser.close()
+
+
+def igrip(*arguments: object) -> None:
+    """Run a command to its end."""
+    subprocess.run([sys.executable, "-m", "igrip", *map(str, arguments)], check=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
