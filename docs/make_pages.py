@@ -32,7 +32,9 @@ SECONDS = 9.0  # of a live scene before it is photographed, so that its charts h
 def served(*arguments: object) -> Iterator[str]:
     """Run a command that serves a page; yield the address; end it by Ctrl-C."""
     command = [sys.executable, "-m", "igrip", *map(str, arguments)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+    ) as process:
         assert process.stderr is not None
         try:
             found = (re.search(r"http://localhost:\d+", line) for line in process.stderr)
@@ -87,9 +89,7 @@ def photograph_still(page: Page, name: str) -> None:
     page.screenshot(path=FOLDER / name)
 
 
-def at_each_width(
-    browser: Browser, url: str, name: str, shot: Callable[[Page, str], None]
-) -> None:
+def at_each_width(browser: Browser, url: str, name: str, shot: Callable[[Page, str], None]) -> None:
     """Photograph an address in windows of each width."""
     for width, height in SIZES.items():
         page = browser.new_page(viewport={"width": width, "height": height})

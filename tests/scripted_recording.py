@@ -14,7 +14,13 @@ from support import BOX, CAN, placed
 STEP = 0.1  # s
 END = 4.0
 GAP = 0.3  # s; a chart has a gap where a hand is silent for longer
-UNDECIDED, DECIDED, LEASED, LOST, OTHER = 12, 18, 22, 28, 36  # numbers of moments, of the right hand
+UNDECIDED, DECIDED, LEASED, LOST, OTHER = (
+    12,
+    18,
+    22,
+    28,
+    36,
+)  # numbers of moments, of the right hand
 
 
 def right_hand(t: float) -> Intention:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 
 import pytest
 
@@ -12,6 +13,7 @@ from igrip.describe import headline
 from scripted_recording import DECIDED, END, GAP, LEASED, OTHER, UNDECIDED
 
 pytestmark = [pytest.mark.browser, needs_chromium]
+FIGURE_6 = "() => igrip.charts().right.global?.lines.length && igrip.settled()"
 
 
 @pytest.fixture
@@ -42,11 +44,19 @@ def expected(snapshots, hand, value):
     return found
 
 
+def probability_of(id):
+    return lambda intention: (intention.probability or {}).get(id)
+
+
+def score_of(id, cue):
+    return lambda intention: intention.scores.get(id, {}).get(cue)
+
+
 @pytest.mark.parametrize("hand", ["left", "right"])
 def test_probabilities_over_time_with_their_gaps(charts, snapshots, hand):
     assert set(charts[hand]["probability"]) == {"left", "soup", "none"}
     for id, segments in charts[hand]["probability"].items():
-        assert segments == expected(snapshots, hand, lambda i: (i.probability or {}).get(id))
+        assert segments == expected(snapshots, hand, probability_of(id))
         assert len(segments) == 2  # lost, or not measured, in the middle
 
 
@@ -64,7 +74,7 @@ def test_bars_of_target_grip_and_lease_do_not_bridge_gaps(charts, snapshots):
     }
     for k, name in enumerate(rows):
         assert drawn[name] == expected(
-            snapshots, "right", lambda i: k if tests[name](i) else None
+            snapshots, "right", lambda i, k=k, holds=tests[name]: k if holds(i) else None
         ), name
 
 
@@ -74,7 +84,7 @@ def test_a_hand_has_one_target_at_a_time(charts):
         for name in ("left", "soup", "undecided") for segment in charts["right"]["decision"][name]
     )  # fmt: skip
     assert len(spans) == 3
-    for (_, end), (begin, _) in zip(spans, spans[1:], strict=False):
+    for (_, end), (begin, _) in itertools.pairwise(spans):
         assert end < begin
 
 
@@ -83,14 +93,12 @@ def test_scores_of_each_cue_on_demand(shown, snapshots):
     box = shown.page.locator("#scores")
     assert box.get_attribute("open") is None
     box.locator("summary").click()
-    shown.page.wait_for_function("() => igrip.charts().right.distance?.lines.length && igrip.settled()")
+    shown.page.wait_for_function(FIGURE_6)
     drawn = shown.page.evaluate("igrip.charts().right")
     assert {"speed", "distance", "distance_derivative", "global"} <= set(drawn)
     for cue in ("distance", "distance_derivative", "global"):
         for line in drawn[cue]["lines"]:
-            assert line["segments"] == expected(
-                snapshots, "right", lambda i: i.scores.get(line["name"], {}).get(cue)
-            )
+            assert line["segments"] == expected(snapshots, "right", score_of(line["name"], cue))
     box.locator("summary").click()
 
 
@@ -107,7 +115,7 @@ def test_several_hands_are_told_apart(shown):
 def test_axes_have_names_and_units_and_no_text_is_cut_or_covered(shown, width):
     shown.page.set_viewport_size({"width": width, "height": 900})
     shown.page.locator("#scores").evaluate("n => n.open = true")
-    shown.page.wait_for_function("() => igrip.charts().right.global?.lines.length && igrip.settled()")
+    shown.page.wait_for_function(FIGURE_6)
     shown.go(DECIDED)
     canvases = shown.page.locator(".chart canvas").evaluate_all(
         "all => all.map(c => ({ texts: c.texts, wide: c.clientWidth, high: c.clientHeight,"

@@ -1,4 +1,4 @@
-"""The card of each hand: its sentence, bars, grip, time of contact and lease are the intention's."""
+"""The card of each hand: sentence, bars, grip, time of contact and lease are the intention's."""
 
 from __future__ import annotations
 

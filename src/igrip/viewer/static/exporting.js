@@ -88,10 +88,14 @@ function record(done) {
   const stream = canvas.captureStream(RATE);
   const recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: 4_000_000 });
   const parts = [];
-  recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
+  const film = document.getElementById("film");
+  recorder.addEventListener("dataavailable", (event) => {
+    parts.push(event.data);
+    film.title = `${Math.round(parts.reduce((sum, part) => sum + part.size, 0) / 1000)} kB recorded`;
+  });
   recorder.addEventListener("stop", () => done(new Blob(parts, { type: "video/webm" }), name));
   const timer = setInterval(() => compose(canvas), 1000 / RATE);
-  recorder.start();
+  recorder.start(200);
   return () => {
     clearInterval(timer);
     recorder.stop();
