@@ -1,4 +1,4 @@
-"""Figures over all trials: participants and conditions (published: Figure 5), accuracy on the way."""
+"""Figures over all trials: participants (the published Figure 5), accuracy on the way."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -49,6 +50,7 @@ def write_report(
     """
     with requires_extra("jinja2", "report", "the report"):
         import jinja2
+        import markupsafe
     out.mkdir(parents=True, exist_ok=True)
     text = json.dumps(clean(summary), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
@@ -67,6 +69,9 @@ def write_report(
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {
         "percent": percent, "seconds": seconds, "interval": interval, "error": error,
+        "code": lambda text: markupsafe.Markup(
+            re.sub(r"`([^`]+)`", r"<code>\1</code>", str(markupsafe.escape(text)))
+        ),
         "at": lambda fraction: f"at {fraction}",
     }  # fmt: skip
     template = environment.from_string(
