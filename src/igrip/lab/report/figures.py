@@ -91,11 +91,11 @@ def look_of(k: int) -> tuple[str, str]:
     return COLOURS[k % len(COLOURS)], MARKERS[k // len(COLOURS) % len(MARKERS)]
 
 
-def _add_legend(figure: Any, panel: Any) -> None:
+def _add_legend(figure: Any, panel: Any, columns: int = 4) -> None:
     """Name the lines of a panel below all panels, where the names cover nothing."""
     lines, names = panel.get_legend_handles_labels()
     if lines:
-        figure.legend(lines, names, loc="outside lower center", ncols=4, fontsize=7)
+        figure.legend(lines, names, loc="outside lower center", ncols=columns, fontsize=7)
 
 
 def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
@@ -103,7 +103,7 @@ def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
     known = {n: t["calibration"] for n, t in summary["targets"].items() if t["calibration"]}
     if not known:
         return None
-    figure = new_figure(5.0, 4.8, "the report")
+    figure = new_figure(5.0, 5.2, "the report")
     panel = figure.subplots()
     panel.plot([0, 100], [0, 100], color="grey", lw=0.8, ls=":")
     for k, (name, results) in enumerate(known.items()):
@@ -120,7 +120,7 @@ def draw_calibration(summary: Mapping[str, Any]) -> Any | None:
         )
     panel.set_xlabel("stated probability [%]")
     panel.set_ylabel("right [%]")
-    _add_legend(figure, panel)
+    _add_legend(figure, panel, 2)
     return figure
 
 

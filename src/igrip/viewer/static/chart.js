@@ -54,7 +54,7 @@ export class Chart {
     ctx.clearRect(0, 0, wide, high);
     ctx.font = FONT;
     const rows = this.axis.rows;
-    const left = Math.round(Math.min(110, 0.28 * wide)); // the same in all, so that times stand below each other
+    const left = Math.round(Math.min(180, 0.28 * wide)); // the same in all, so that times stand below each other
     const right = 42;
     const [low, top] = rows ? [rows.length - 0.5, -0.5] : [this.axis.min, highest(this.axis, lines)];
     const marks = rows
