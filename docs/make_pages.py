@@ -162,7 +162,7 @@ def main(names: list[str]) -> None:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         cohort, report = Path(folder) / "cohort", Path(folder) / "report"
         if chosen & {"view", "report"}:
-            igrip("simulate", cohort, "--participants", 3, "--trials", 4, "--no-reach", 1)
+            igrip(folder, "simulate", "cohort", "--participants", 3, "--trials", 4, "--no-reach", 1)
         if "demo" in chosen:
             with served("demo", "--port", 0, "--duration", 600) as url:
                 at_each_width(browser, url, "demo", photograph_live)
@@ -176,15 +176,16 @@ def main(names: list[str]) -> None:
             with served("grips", "--page", "--port", 0) as url:
                 at_each_width(browser, url, "grips", photograph_still)
         if "report" in chosen:
-            igrip("evaluate", cohort, "--out", report)
+            igrip(folder, "evaluate", "cohort", "--out", "report")
             address = (report / "report.html").as_uri()
             at_each_width(browser, address, "report", photograph_still)
         browser.close()
 
 
-def igrip(*arguments: object) -> None:
-    """Run a command to its end."""
-    subprocess.run([sys.executable, "-m", "igrip", *map(str, arguments)], check=True)
+def igrip(folder: str, *arguments: object) -> None:
+    """Run a command to its end, in a folder, so that the report tells no path of this machine."""
+    command = [sys.executable, "-m", "igrip", *map(str, arguments)]
+    subprocess.run(command, check=True, cwd=folder)
 
 
 if __name__ == "__main__":
