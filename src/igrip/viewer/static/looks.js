@@ -44,8 +44,11 @@ export function chip(id) {
   const shown = look(id);
   const badge = element("span", { class: "letter", "aria-hidden": "true" }, shown.letter);
   badge.style.borderColor = shown.colour;
-  return element("span", { class: "chip" }, badge, element("span", {}, objectName(id)));
+  return element("span", { class: "chip" }, badge, element("span", {}, ...breakable(objectName(id))));
 }
+
+// A long name breaks after an underscore, rather than within a word.
+const breakable = (name) => name.split(/(?<=_)/).flatMap((part, k) => (k ? [element("wbr"), part] : [part]));
 
 // An object whose id is the name of a hand is called an object.
 export const objectName = (id) => (/^(left|right)\b/i.test(id) ? `object “${id}”` : id);
