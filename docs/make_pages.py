@@ -37,6 +37,7 @@ SIZES = {1920: 1080, 820: 1180, 390: 844}  # pixels, width to height
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
          "--ignore-gpu-blocklist", "--disable-background-networking",
          "--disable-component-update", "--disable-sync"]  # fmt: skip
+REPORTED = ("--targets", "paper", "--targets", "bayes", "--targets", "distance")
 PATIENCE = 180.0  # s
 SECONDS = 9.0  # of a live scene before it is photographed, so that its charts have a history
 
@@ -176,7 +177,7 @@ def main(names: list[str]) -> None:
             with served("grips", "--page", "--port", 0) as url:
                 at_each_width(browser, url, "grips", photograph_still)
         if "report" in chosen:
-            igrip(folder, "evaluate", "cohort", "--out", "report")
+            igrip(folder, "evaluate", "cohort", "--out", "report", *REPORTED)
             address = (report / "report.html").as_uri()
             at_each_width(browser, address, "report", photograph_still)
         browser.close()
