@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -44,7 +43,7 @@ SECONDS = 9.0  # of a live scene before it is photographed, so that its charts h
 
 @contextmanager
 def served(*arguments: object) -> Iterator[str]:
-    """Run a command that serves a page; yield the address; end it by Ctrl-C."""
+    """Run a command that serves a page; yield the address; end it."""
     command = [sys.executable, "-m", "igrip", *map(str, arguments)]
     with subprocess.Popen(
         command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
@@ -54,7 +53,7 @@ def served(*arguments: object) -> Iterator[str]:
             found = (re.search(r"http://localhost:\d+", line) for line in process.stderr)
             yield next(match for match in found if match)[0]
         finally:
-            process.send_signal(signal.SIGINT)
+            process.terminate()  # a job in the background ignores Ctrl-C
 
 
 def reaches(page: Page) -> bool:
