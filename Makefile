@@ -75,6 +75,7 @@ bench: $(READY)  ## measure the speed beside other engines; the picture of docs/
 
 pictures: $(READY)  ## draw the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py
+	$(BIN)/python docs/make_pages.py
 
 docs: $(READY)  ## build the documentation site into build/site; a warning is an error
 	NO_MKDOCS_2_WARNING=1 PYTHONPATH=docs $(BIN)/mkdocs build --strict --quiet

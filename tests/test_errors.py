@@ -12,7 +12,7 @@ from igrip.errors import MissingExtraError, requires_extra
 def test_a_missing_extra_is_named_with_how_to_get_it():
     with (
         pytest.raises(MissingExtraError, match=r"the page needs .*pip install 'igrip\[viewer\]'"),
-        requires_extra("viser", "viewer", "the page"),
+        requires_extra("websockets", "viewer", "the page"),
     ):
         import igrip.no_such_module  # noqa: F401
     with (

@@ -117,8 +117,8 @@ def requires_extra(
 
     Examples
     --------
-    >>> with requires_extra("viser", "viewer", "the scene in the browser"):
-    ...     import viser
+    >>> with requires_extra("websockets", "viewer", "the page in the browser"):
+    ...     import websockets
     """
     try:
         yield

@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import closing, nullcontext
+from contextlib import closing, nullcontext, suppress
+from queue import Empty, SimpleQueue
 from typing import Annotated
 
 import typer
@@ -20,6 +21,7 @@ from igrip.cli.page import open_page
 from igrip.cli.table import FoldingTable
 from igrip.config import Config
 from igrip.describe import describe
+from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.lab.simulation.demo import DemoPerson, DemoTask, Moment
@@ -27,6 +29,7 @@ from igrip.lab.simulation.demo_score import DemoScore, StatusChanges
 from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
+from igrip.runtime.protocol import Command
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -67,9 +70,10 @@ def demo(
         catalog = load_objects("ycb")
         setup.warm_up(config, catalog)
     choices = [config.targets]  # the page appends another estimator's name
-    viewer = (
-        None if headless else open_page(port, targets=config.targets, choose_targets=choices.append)
-    )
+    commands: SimpleQueue[Command] = SimpleQueue()  # from the page
+    viewer = None if headless else open_page(
+        port, targets=config.targets, choose_targets=choices.append, on_command=commands.put
+    )  # fmt: skip
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
     person = DemoPerson(catalog, seed)
     moments = iter(person) if endless else _limited(person, duration)
@@ -78,20 +82,28 @@ def demo(
     score = DemoScore()
     events = StatusChanges() if faults and not as_json else None
     with closing(viewer) if viewer is not None else nullcontext(), until_interrupted():
-        _run(_paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json, events)
+        estimators = _estimators(catalog, choices, commands)
+        _run(_paced(moments, speed), estimators, viewer, score, as_json, events)
     if as_json:
         print_json(score.summary())
     else:
         output.print(score.sentence(), soft_wrap=True)
 
 
-def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
-    """Yield the estimator for each message; a new one after another was chosen."""
+def _estimators(
+    catalog: Catalog, choices: list[str], commands: SimpleQueue[Command]
+) -> Iterator[Estimator]:
+    """Yield the estimator for each message, after commands; a new one after another was chosen."""
     name = None
     while True:
         if choices[-1] != name:
             name = choices[-1]
             estimator = Estimator(catalog, Config(targets=name))
+        with suppress(Empty):
+            while True:
+                command = commands.get_nowait()
+                with suppress(IgripError):  # of a hand that is unknown by now
+                    command.apply(estimator)
         yield estimator
 
 
