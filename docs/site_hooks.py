@@ -68,7 +68,7 @@ def schema_table(name: str) -> str:
 
 
 def _meanings(docstring: str) -> dict[str, str]:
-    """Return what the docstring of a message says of each field."""
+    """Return the description of each field in the docstring of a message."""
     return {
         name.strip(): " ".join(one.description.split())
         for section in Docstring(inspect.cleandoc(docstring)).parse("numpy", warnings=False)

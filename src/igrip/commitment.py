@@ -66,7 +66,7 @@ class Committer:
         self._since = math.nan  # of earning, then of the commitment
         self._valid_at = math.nan  # time of the newest message without a pause
         self._stop_position: Vector | None = None
-        self._lapsed = False  # the held object has lost its lease for good
+        self._lapsed = False  # the held object has lost its lease permanently
 
     @property
     def vetoed(self) -> bool:

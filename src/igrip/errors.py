@@ -52,7 +52,7 @@ class ObjectsError(IgripError, ValueError):
 
 
 class MeshUnitError(ObjectsError):
-    """A mesh is plainly not in metres and its unit was not declared."""
+    """A mesh is implausible in metres and its unit was not declared."""
 
 
 class UnknownModelError(IgripError, KeyError):

@@ -133,7 +133,7 @@ class ContactGrip:
     Parameters
     ----------
     config : GripConfig
-        ``sure`` says how sure.
+        ``sure`` is the probability from which the contact point decides.
     learned : (t,) array, optional
         The weights of :data:`TERMS`; by default those that ship.
     """

@@ -115,7 +115,7 @@ def load_objects(*sources: str | Path) -> Catalog:
         If a source does not exist, holds nothing that can be read, or two objects share a name. A
         file of a folder that cannot be read and that no table names is left out, with a warning.
     MeshUnitError
-        If a mesh of a folder is plainly not in metres; the message says how to declare its unit.
+        If a mesh of a folder is implausible in metres; the message explains how to declare its unit.
 
     Examples
     --------
