@@ -156,7 +156,7 @@ class Committer:
     def _earn(self, evidence: Evidence) -> None:
         """Start or continue the dwell of a likely target, and commit to it after that.
 
-        A hand that carries an object is full: it earns nothing.
+        A hand that carries an object is occupied: it gets no commitment.
         """
         config, target = self._config, evidence.target
         full = any(

@@ -93,7 +93,7 @@ def until_interrupted(kept: Callable[[], str] | str = "") -> Iterator[None]:
 
 @contextmanager
 def interruptible(kept: Callable[[], str] | str) -> Iterator[None]:
-    """At Ctrl-C within the work, let the command's last line state what is kept and how to go on."""
+    """At Ctrl-C within the work, end the command with a line on what is kept and how to go on."""
     try:
         yield
     except KeyboardInterrupt as interrupt:

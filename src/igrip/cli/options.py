@@ -39,7 +39,8 @@ Assisted = Annotated[
 ConfigFile = Annotated[
     Path | None,
     typer.Option("--config", help="Configuration: a TOML file with the keys of "
-                 "docs/configuration.md, such as igrip tune writes. Other options take precedence."),
+                 "docs/configuration.md, such as igrip tune writes. "
+                 "Other options take precedence."),
 ]  # fmt: skip
 Reliability = Annotated[
     float | None,

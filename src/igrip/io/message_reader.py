@@ -144,7 +144,7 @@ class MessageReader:
         return observation.annotated(not_seen=lost) if lost else observation, defects
 
     def _time(self, t: float, defects: list[Defect]) -> float:
-        """Return a time that is not below zero: times may begin there, or step there permanently."""
+        """Return a time that is not below zero: times may begin there, or step there and stay."""
         t *= self._frame.seconds
         self._below = self._below + 1 if t + self.shift < 0.0 else 0
         if self._below and (not self._begun or self._below >= BELOW_ZERO):

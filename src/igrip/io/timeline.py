@@ -1,7 +1,7 @@
 """The times of a recording: put in order where a clock stepped, jumped or began below zero.
 
-Times that step back and stay there go on from where they were; a message that alone is out of order is
-left out. The later messages decide, so a few are read ahead.
+Times that step back and stay there go on from where they were; a message that alone is out of
+order is left out. The later messages decide, so a few are read ahead.
 """
 
 from __future__ import annotations

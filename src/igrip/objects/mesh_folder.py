@@ -20,7 +20,7 @@ from typing import Any
 import trimesh
 from pydantic import ValidationError
 
-from igrip.errors import ObjectsError
+from igrip.errors import ObjectsError, install_command
 from igrip.objects.bop import bop_options
 from igrip.objects.mesh_files import TABLE, MeshFile, MeshOptions
 from igrip.settings import problem_of
@@ -188,7 +188,7 @@ def _file_of(
 
 def _needs(path: Path) -> str:
     package = PACKAGES.get(path.suffix.lower().lstrip("."), "a reader")
-    return f"reading {path.suffix.lower()} needs {package}: pip install 'igrip[meshes]'"
+    return f"reading {path.suffix.lower()} needs {package}: {install_command('meshes')}"
 
 
 def _no_mesh(folder: Path, unreadable: list[Path]) -> str:

@@ -32,8 +32,8 @@ class ReliabilityBins(NamedTuple):
     def calibration_error(self) -> float:
         """Return the expected calibration error; NaN without predictions.
 
-        The mean gap between stated probability and share of correct predictions in a bin, weighted by
-        its predictions (Naeini et al. 2015, AAAI 29:2901-2907; Guo et al. 2017, ICML 34:1321-1330).
+        The mean gap between stated probability and share of correct predictions in a bin, weighted
+        by their number (Naeini et al. 2015, AAAI 29:2901-2907; Guo et al. 2017, ICML 34:1321-1330).
         """
         total = self.answers.sum()
         return float(np.abs(self.stated - self.correct).sum() / total) if total else float("nan")
