@@ -23,7 +23,7 @@ class PipeConsole(Console):
         raise
 
 
-NOT_KEPT = "an unfinished dataset is not kept; the same command begins anew"
+NOT_KEPT = "an unfinished dataset is not kept; the same command starts again"
 
 # no markup: names and paths from outside may hold brackets
 output = PipeConsole(markup=False, highlight=False)

@@ -167,7 +167,7 @@ def read_scorer(path: Path) -> Scorer:
     """
     content = read_learned(path, FORMAT)
     if tuple(content.get("inputs", ())) != INPUTS:
-        raise IgripError(f"{path}: was made for other inputs; train it anew (make train)")
+        raise IgripError(f"{path}: was made for other inputs; retrain it (make train)")
     bias = numbers(content, ["bias"], (-1,), path)
     units = len(bias)
     columns = {
