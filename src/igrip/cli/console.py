@@ -47,12 +47,15 @@ def inform(text: str) -> None:
 
 def table_of(
     columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str = "", caption: str = "",
-    left: Collection[int] = (),
+    left: Collection[int] = (), leading: int = 1,
 ) -> FoldingTable:  # fmt: skip
-    """Return a table that folds; the first column and those named stand on the left."""
+    """Return a table that folds; the first column and those named stand on the left.
+
+    The ``leading`` columns name a row, and are repeated wherever the table folds.
+    """
     from igrip.cli.table import FoldingTable
 
-    return FoldingTable(columns, rows, title, caption, left)
+    return FoldingTable(columns, rows, title, caption, left, leading)
 
 
 def number(value: float | None, form: str = ".2f", unit: str = "") -> str:
