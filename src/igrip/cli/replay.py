@@ -66,7 +66,7 @@ def replay(
     length_unit: options.LengthUnit = "m",
     time_unit: options.TimeUnit = "s",
 ) -> None:  # fmt: skip
-    """Run estimators over recordings and summarise the answers.
+    """Run estimators over recordings and summarise their predictions.
 
     Over a dataset: trial success and accuracy at 40 and 60 % of the movement for each estimator,
     over all trials as in `igrip evaluate`. With --out, each line also names its recording and
@@ -137,7 +137,7 @@ def _replay_recording(
 
 
 def _missing(run: EstimatorRun) -> list[str]:
-    """Return what a recording lacks for any answer, as text."""
+    """Return what a recording lacks for any prediction, as text."""
     inputs = run.estimator.inputs()
     remarks = [f"{id}: {state['reason']}" for id, state in inputs["objects"].items()
                if not state["known"]]  # fmt: skip

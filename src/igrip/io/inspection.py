@@ -141,8 +141,15 @@ def _other_command(endings: Iterable[str]) -> str:
     return ""
 
 
-def map_from(inspections: Sequence[Inspection]) -> str:
+def map_from(inspections: Sequence[Inspection], rate: float | None = None) -> str:
     """Return a map of columns to start from, as TOML.
+
+    Parameters
+    ----------
+    inspections : sequence of Inspection
+        What the files hold.
+    rate : float or None
+        The rate that was declared for files without times [Hz]; the map declares it too.
 
     Raises
     ------
@@ -167,6 +174,8 @@ def map_from(inspections: Sequence[Inspection]) -> str:
     ]
     if take.frame.time_unit != "s":
         lines.append(f'time_unit = "{take.frame.time_unit}"')
+    if rate is not None:
+        lines.append(f"rate = {rate:.6g}  # frames per second, for files without times")
     axes = json.dumps(list(take.frame.axes))
     lines += [
         f"axes = {axes}  # our x, y, z in the file's axes; z up is right as it is: x, y, z",

@@ -25,7 +25,7 @@ class ColumnMapImporter:
     columns : ColumnMap
         The map.
     declared : Declared, optional
-        What is declared besides, in place of what the map says.
+        What is declared besides, in place of what the map declares.
     """
 
     def __init__(self, columns: ColumnMap, declared: Declared | None = None) -> None:

@@ -52,7 +52,7 @@ def takes_in(
             bodies[f"{TRIAL_HAND}:{id}"] = _raw(source, part.columns, declared, remarks)
     unit = source.layout.length_unit
     if columns.unit and unit and columns.unit != unit:
-        remarks.append(f"the file says {unit}, the map {columns.unit}: the map holds")
+        remarks.append(f"the file states {unit}, the map {columns.unit}: the map is used")
     from_rate = time is None and source.layout.time is None
     declared = Declared(time_unit="s") | declared if from_rate else declared
     frame = declared.frame(source.layout)
@@ -103,7 +103,7 @@ def find_take(trial: str, participant: str | None, takes: Collection[str]) -> st
     Parameters
     ----------
     trial, participant : str, str or None
-        What the row says.
+        What the row states.
     takes : collection of str
         Names of the takes; a name with folders where several share the rest.
     """

@@ -26,7 +26,7 @@ MAX_EXTENT = 20.0  # m that a hand or object may move; more is refused
 MIN_EXTENT = 0.005  # m that the whole scene must span
 MAX_SPEED = 30.0  # m/s, as the median of a moving hand; more is remarked
 USUAL_INTERVAL, USUAL_EXTENT, USUAL_SIZE = 0.012, 0.5, 0.15  # s, m, m: which unit fits best
-SIZES = (0.002, 2.0)  # m of a thing that a hand grasps
+SIZES = (0.002, 2.0)  # m of an object that a hand grasps
 MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 20 a sample
 MESSAGES_PER_SAMPLE = 20
 MIN_SAMPLES = 5  # fewer show nothing
@@ -36,7 +36,7 @@ ALIGNED = math.cos(math.radians(10.0))
 
 
 class Finding(NamedTuple):
-    """One thing that is implausible.
+    """One implausible quantity.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Finding(NamedTuple):
     text : str
         For the user; it names the unit or frame that would fit.
     fix : 2 str, optional
-        The argument of :meth:`igrip.io.frames.DeclaredFrame.declare` that would mend it, and its
+        The argument of :meth:`igrip.io.frames.DeclaredFrame.declare` that would correct it, and its
         value.
     """
 
@@ -77,7 +77,7 @@ class Samples:
 
 
 def options_that_fix(findings: Iterable[Finding]) -> str:
-    """Return the options of a command line that would mend findings, such as ``--up y``."""
+    """Return the options of a command line that would correct the findings, such as ``--up y``."""
     fixes = dict(f.fix for f in findings if f.fix is not None).items()
     return " ".join(f"--{word.replace('_', '-')} {value}" for word, value in fixes)
 
@@ -147,7 +147,7 @@ def check_length(times: ArrayLike, rate: float) -> list[Finding]:
 
 
 def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[Finding]:
-    """Check how far things move and are apart, by id (n, 3) [m], converted from ``unit``."""
+    """Check how far bodies move and are apart, by id (n, 3) [m], converted from ``unit``."""
     findings: list[Finding] = []
     everything = []
     for id, given in positions.items():

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class Table:
-    """A table whose columns are read when they are asked for.
+    """A table whose columns are read on first access.
 
     Attributes
     ----------

@@ -65,7 +65,7 @@ def _as_utf8(data: bytes, ending: str) -> bytes:
 
 
 def _gltf_header(data: bytes, ending: str) -> Mapping[str, Any]:
-    """Return the JSON of a glTF file; empty where there is none, which its reader will say."""
+    """Return the JSON of a glTF file; empty where there is none, which its reader will report."""
     if ending == ".glb":
         length = int.from_bytes(data[12:16], "little")
         data = data[20 : 20 + length]

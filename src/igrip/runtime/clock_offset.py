@@ -4,9 +4,10 @@ The delay of a message, arrival minus the sender's time, is the offset plus a ti
 is never negative. So the offset is the lower envelope of the delays: the minimum filter of NTP
 (Mills 1991, IEEE Transactions on Communications 39(10)), which here may rise as fast as clocks
 drift; the drift is the Theil-Sen slope of the minima of blocks (after Moon, Skelly & Towsley 1999,
-INFOCOM). A delay that grows is age, however long it lasts: it cannot be told from the way of the
-message. A clock that was set shows in the sender's own intervals, which are irregular where those
-of arrival are not; as in NTP, the new time is believed only after several messages agree on it.
+INFOCOM). A delay that grows is age, however long it lasts: it cannot be distinguished from the way
+of the message. A clock that was set shows in the sender's own intervals, which are irregular where
+those of arrival are not; as in NTP, the new time is believed only after several messages agree on
+it.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from igrip.io.takes.take import Track
 Array = NDArray[np.float64]
 MAX_HEIGHT = 0.15  # m between all that happens on a table
 MIN_SPAN = 0.25  # m that the scene spans along the other axes
-MIN_STEP = 0.05  # m between the heights of things that stand on different places
+MIN_STEP = 0.05  # m between the heights of objects that stand on different places
 
 
 def upright_remark(hand: Array, objects: Sequence[Array]) -> str | None:

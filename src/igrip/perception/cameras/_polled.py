@@ -1,4 +1,4 @@
-"""What the devices have in common: one is asked for its next frame again and again."""
+"""What the devices have in common: each is polled for its next frame."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class Channel(NamedTuple):
     Attributes
     ----------
     name : str
-        Of the thing, such as ``right_hand``.
+        Of the hand or object, such as ``right_hand``.
     part : str
         ``x``, ``y``, ``z`` or ``qx``, ``qy``, ``qz``, ``qw``.
     metres : float or None
@@ -149,7 +149,7 @@ class Layout:
 
     @property
     def names(self) -> list[str]:
-        """The things whose position is there."""
+        """The hands and objects whose position is given."""
         return list(self._parts)
 
     def message(self, t: float, sample: Sequence[float], poses: NamedPoses) -> dict[str, Any]:

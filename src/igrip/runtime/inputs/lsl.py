@@ -120,7 +120,7 @@ class LslInput:
         # stamps are in seconds whatever the unit of times in messages
         sender = Sender(name=name, frame=replace(frame, time_unit="s"))
         poses = NamedPoses(self._hands)
-        hands = sorted({id for thing in layout.names if (id := poses.hand(thing)) is not None})
+        hands = sorted({id for name in layout.names if (id := poses.hand(name)) is not None})
         self._loop.announce(f"{name}: hands {', '.join(hands) or 'none'}")
         for text in poses.refused.values():
             self._loop.warn(f"{name}: {text}")
