@@ -215,7 +215,15 @@ NAMED = [
     "t,right.x,right.y,right.z,mug.x,mug.y,mug.z",
     "t,right pos x,right pos y,right pos z,mug pos x,mug pos y,mug pos z",
     "t,rightTX,rightTY,rightTZ,mugTX,mugTY,mugTZ",
+    "Zeit,pos_x_right,pos_y_right,pos_z_right,position.x.mug,position.y.mug,position.z.mug",
+    "Temps,right[x],right[y],right[z],mug[x],mug[y],mug[z]",
+    "host_time,right (X),right (Y),right (Z),mug (X),mug (Y),mug (Z)",
+    "relative time,right_px,right_py,right_pz,mug_px,mug_py,mug_pz",
+    "time,right (X) [mm],right (Y) [mm],right (Z) [mm],mug (X) [mm],mug (Y) [mm],mug (Z) [mm]",
+    "t,right X (in),right Y (in),right Z (in),mug X (in),mug Y (in),mug Z (in)",
+    "% t,right_x,right_y,right_z,mug_x,mug_y,mug_z",
 ]
+UNIT_WORDS = {"(mm)": "mm", "[mm]": "mm", "(in)": "in"}
 
 
 @pytest.mark.parametrize("header", NAMED)
@@ -227,10 +235,12 @@ def test_bodies_by_the_names_of_columns(tmp_path, header):
     assert [body.position for body in layout.bodies] == [(1, 2, 3), (4, 5, 6)]
     assert layout.time == 0
     assert layout.time_unit == ("ms" if "ms" in header else None)
-    assert layout.length_unit == ("mm" if "(mm)" in header else None)
+    assert layout.length_unit == next((u for word, u in UNIT_WORDS.items() if word in header), None)
 
 
-@pytest.mark.parametrize("header", ["index,matrix,apex", "a,b,c", "trial,hand,target"])
+@pytest.mark.parametrize(
+    "header", ["index,matrix,apex", "a,b,c", "trial,hand,target", "stopx,stopy,stopz", "px,ix,z_px"]
+)
 def test_names_that_are_no_coordinates(tmp_path, header):
     (tmp_path / "t.csv").write_text(header + "\n" + "\n".join(f"{k},2,3" for k in range(9)))
     assert read_table(tmp_path / "t.csv").layout.bodies == ()
