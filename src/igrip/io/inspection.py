@@ -17,6 +17,7 @@ from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
 from igrip.io.takes.roles import hands_of, objects_of
+from igrip.io.takes.sections import merge_tracking_systems
 from igrip.io.takes.take import Take
 from igrip.io.takes.upright import with_upright_axes
 
@@ -99,7 +100,7 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
     """
     files = ImportFiles(paths)
     found = []
-    for name, source in files.opened.items():
+    for name, source in merge_tracking_systems(files.opened).items():
         if isinstance(source, DatasetError):
             path = files.paths[0] if len(files.paths) == 1 else Path(name)
             found.append(Inspection(name, path, "not readable", problem=str(source)))

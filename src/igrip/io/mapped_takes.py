@@ -18,8 +18,9 @@ from igrip.io.tables import Table
 from igrip.io.takes.build import RawBody, build_take
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import TAKE_ENDINGS, read_take
-from igrip.io.takes.tables import raw_bodies, times_of
+from igrip.io.takes.sections import with_sections
 from igrip.io.takes.take import Take
+from igrip.io.takes.times import raw_bodies, times_of
 
 TRIAL_HAND = "\0hand"
 """Name of the track of the hand that the table of trials names."""
@@ -78,9 +79,9 @@ def takes_in(
 
     if samples.trial is None:
         take = built(trial_id(name), None)
-        return {
-            trial_id(name): take if isinstance(take, DatasetError) else _with_hand(take, columns)
-        }
+        if not isinstance(take, DatasetError):
+            take = _with_hand(with_sections(take, source, declared), columns)
+        return {trial_id(name): take}
     groups: dict[str, list[int]] = {}
     for k, text in enumerate(source.texts(source.find(samples.trial))):
         groups.setdefault(trial_id(text), []).append(k)
