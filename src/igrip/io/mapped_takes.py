@@ -41,9 +41,9 @@ def takes_in(
     samples = columns.samples
     time = _time_column(source, columns, declared)
     times, of_day = times_of(source, declared, time)
-    bodies = raw_bodies(source, source.layout.bodies, declared)
-    lines = source.lines()
     remarks = list(source.layout.remarks)
+    bodies = raw_bodies(source, source.layout.bodies, declared, remarks)
+    lines = source.lines()
     hand = _hand_columns(source, columns)
     if hand is not None:
         bodies.pop("", None)  # the same columns without a name

@@ -15,6 +15,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from igrip.io.fitting_units import fitting_units, fix_by, format_number, question
 from igrip.io.frames import METRES, SECONDS
 
 Array = NDArray[np.float64]
@@ -25,6 +26,9 @@ MIN_INTERVAL = 2e-4  # s; less is refused
 MAX_EXTENT = 20.0  # m that a hand or object may move; more is refused
 MIN_EXTENT = 0.005  # m that the whole scene must span
 MAX_SPEED = 30.0  # m/s, as the median of a moving hand; more is remarked
+MAX_REACH_SPEED = 5.0  # m/s, exceeded by 5 % of its steps over more than MAX_REACH: remarked
+FAST_SPEED, FAST_SHARE = 15.0, 0.2  # m/s, exceeded by so many of them: refused
+MAX_REACH = 2.0  # m
 USUAL_INTERVAL, USUAL_EXTENT, USUAL_SIZE = 0.012, 0.5, 0.15  # s, m, m: which unit fits best
 SIZES = (0.002, 2.0)  # m of a thing that a hand grasps
 MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 20 a sample
@@ -120,13 +124,15 @@ def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
     step = float(np.median(steps))
     if MIN_INTERVAL <= step <= SLOW_INTERVAL:
         return []
-    fits = _fitting_units(step, unit, SECONDS, (5e-4, 0.25), USUAL_INTERVAL)
-    refused = not MIN_INTERVAL <= step <= MAX_INTERVAL
-    text = f"steps of {_number(step)} s" + _question("are these", fits)
+    fits = fitting_units(step, unit, SECONDS, (5e-4, 0.25), USUAL_INTERVAL)
+    counted = step == 1.0 and len(steps) > 2 * MIN_SAMPLES and bool((steps % 1.0 == 0.0).all())
+    refused = counted or not MIN_INTERVAL <= step <= MAX_INTERVAL
+    named = [*fits, "frame numbers (an import takes their rate)"] if counted else fits
+    text = f"steps of {format_number(step)} s" + question("are these", named)
     if not fits and step > SLOW_INTERVAL:
         text += ": igrip follows motion from about 10 samples a second on"
     verdict: Literal["refuse", "remark"] = "refuse" if refused else "remark"
-    return [Finding(verdict, "interval", text, _fix("time_unit", fits))]
+    return [Finding(verdict, "interval", text, fix_by("time_unit", fits))]
 
 
 def check_length(times: ArrayLike, rate: float) -> list[Finding]:
@@ -140,8 +146,8 @@ def check_length(times: ArrayLike, rate: float) -> list[Finding]:
     if messages <= max(MAX_MESSAGES, MESSAGES_PER_SAMPLE * len(values)):
         return []
     text = (
-        f"{len(values)} samples over {_number(seconds)} s would become {messages:.3g} messages at "
-        f"{rate:g} Hz: is the unit of time right, and are there odd times?"
+        f"{len(values)} samples over {format_number(seconds)} s would become {messages:.3g} "
+        f"messages at {rate:g} Hz: is the unit of time right, and are there odd times?"
     )
     return [Finding("refuse", "length", text)]
 
@@ -162,17 +168,17 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
         size, words = (span, "moves over") if span > MAX_EXTENT else (away, "is")
         if size <= MAX_EXTENT * (1.0 if size is span else 5.0):
             continue
-        fits = _fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
-        text = f"{id} {words} {_number(size)} m{'' if size is span else ' from the origin'}"
-        text += _question("are its positions in", fits)
-        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
+        fits = fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
+        text = f"{id} {words} {format_number(size)} m{'' if size is span else ' from the origin'}"
+        text += question("are its positions in", fits)
+        findings.append(Finding("refuse", "extent", text, fix_by("length_unit", fits)))
     if findings or not everything:
         return findings
     span = float(np.max(np.ptp(np.concatenate(everything), axis=0)))
     if len(everything) > 1 and 0.0 < span < MIN_EXTENT:
-        fits = _fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
-        text = f"the whole scene spans {_number(span)} m" + _question("are positions in", fits)
-        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
+        fits = fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
+        text = f"the whole scene spans {format_number(span)} m" + question("are positions in", fits)
+        findings.append(Finding("refuse", "extent", text, fix_by("length_unit", fits)))
     return findings
 
 
@@ -183,9 +189,9 @@ def check_sizes(extents: Mapping[str, ArrayLike], unit: str = "m") -> list[Findi
         size = float(np.max(np.asarray(extent, dtype=np.float64)))
         if SIZES[0] <= size <= SIZES[1]:
             continue
-        fits = _fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
-        text = f"{name} is {_number(size)} m long" + _question("is it in", fits)
-        findings.append(Finding("refuse", "size", text, _fix("length_unit", fits)))
+        fits = fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
+        text = f"{name} is {format_number(size)} m long" + question("is it in", fits)
+        findings.append(Finding("refuse", "size", text, fix_by("length_unit", fits)))
     return findings
 
 
@@ -241,9 +247,28 @@ def _check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
     if moved.sum() >= MIN_SAMPLES:
         speed = float(np.median(steps[moved] / intervals[moved]))
         if speed > MAX_SPEED:
-            text = f"{id} moves at {_number(speed)} m/s: are the units of length and time right?"
+            text = (
+                f"{id} moves at {format_number(speed)} m/s: are the units of length and time right?"
+            )
             findings.append(Finding("remark", "speed", text))
+        findings += _check_reach(id, points, steps[moved] / intervals[moved], unit)
     return findings
+
+
+def _check_reach(id: str, points: Array, speeds: Array, unit: str) -> list[Finding]:
+    """Check that a hand is not too fast over too long a way, as in inches taken for metres."""
+    span = float(np.max(np.ptp(np.percentile(points, [5.0, 95.0], axis=0), axis=0)))
+    speed = float(np.percentile(speeds, 95.0))
+    if not MAX_REACH < span <= MAX_EXTENT or speed <= MAX_REACH_SPEED:
+        return []
+    refused = float((speeds > FAST_SPEED).mean()) >= FAST_SHARE
+    reaches = {u: span / METRES[unit] * size for u, size in METRES.items() if u != unit}
+    fits = [u for u, reach in reaches.items() if 0.1 <= reach <= MAX_REACH]
+    fits.sort(key=lambda u: abs(math.log(reaches[u] / USUAL_EXTENT)))
+    text = f"{id} moves over {format_number(span)} m at up to {format_number(speed)} m/s"
+    text += question("are its positions in", fits)
+    verdict: Literal["refuse", "remark"] = "refuse" if refused else "remark"
+    return [Finding(verdict, "speed", text, fix_by("length_unit", fits))]
 
 
 def _repeated_share(repeats: NDArray[np.bool_]) -> float:
@@ -273,26 +298,3 @@ def _upright_axis(quaternions: ArrayLike) -> Array | None:
 def _finite_rows(positions: ArrayLike) -> Array:
     rows = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     return rows[np.isfinite(rows).all(axis=1)]
-
-
-def _fitting_units(
-    value: float, unit: str, units: Mapping[str, float], bounds: tuple[float, float], usual: float
-) -> list[str]:
-    """Return the units in which the source's numbers would fit, the likeliest first."""
-    given = value / units[unit]
-    fits = {name: given * size for name, size in units.items() if name != unit}
-    fits = {name: x for name, x in fits.items() if bounds[0] <= x <= bounds[1]}
-    common = {name: x for name, x in fits.items() if name not in ("dm", "in")} or fits
-    return sorted(common, key=lambda name: abs(math.log(common[name] / usual)))
-
-
-def _fix(word: str, units: list[str]) -> tuple[str, str] | None:
-    return (word, units[0]) if units else None
-
-
-def _question(verb: str, units: list[str]) -> str:
-    return f": {verb} {' or '.join(units)}?" if units else ""
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}" if not 1e3 <= value < 1e7 else f"{value:.0f}"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import mocap_files as mocap
 from igrip.errors import DatasetError
@@ -265,3 +266,30 @@ def test_a_row_between_blanks_with_empty_cells_is_left_out(tmp_path):
     np.testing.assert_allclose(take.tracks["RHand"].positions, HAND[seen], atol=1e-7)
     np.testing.assert_allclose(take.tracks["mug"].positions, mug[seen], atol=1e-7)
     assert "5 rows without a time left out" in take.remarks[0]
+
+
+@pytest.mark.parametrize("section", ["Segments", "Objects"])
+@pytest.mark.parametrize("degrees", [True, False])
+def test_vicon_rotations_longer_than_half_a_turn_are_angles(tmp_path, section, degrees):
+    turns = Rotation.from_euler("XYZ", np.linspace([100, -60, -170], [150, 40, 170], N), True)
+    scene = Scene(MARKERS.times, {"mug": Body(HAND, turns.as_quat())})
+    path = mocap.vicon(tmp_path / "t.csv", scene, section=section)
+    take = take_of(path)  # axis times angle is not touched
+    assert "axis times angle" in take.remarks[0]
+    seen = np.isfinite(HAND[:, 0])
+    assert_turns(take.tracks["mug"], turns[seen])
+    rows = path.read_text().splitlines()
+    angles = turns.as_euler("XYZ", degrees=degrees)
+    for k in np.flatnonzero(seen):
+        cells = rows[5 + k].split(",")
+        rows[5 + k] = ",".join([*cells[:2], *map(str, angles[k]), *cells[5:]])
+    text = "\n".join(rows)
+    path.write_text(text if degrees else text.replace("deg", "rad"))
+    take = take_of(path)
+    assert "exceed half a turn" in take.remarks[0]
+    assert_turns(take.tracks["mug"], turns[seen])
+
+
+def assert_turns(track, turns):
+    apart = Rotation.from_quat(track.orientations) * turns.inv()
+    assert apart.magnitude().max() < 1e-6

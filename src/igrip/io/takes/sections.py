@@ -35,9 +35,11 @@ def table_take(name: str, table: Table, declared: Declared) -> Take:
     if not of_day and _from_rate(table, declared):
         frame = (declared | Declared(time_unit="s")).frame(layout)
         times = times / frame.seconds
+    remarks = list(layout.remarks)
+    bodies = raw_bodies(table, layout.bodies, declared, remarks)
     return build_take(
-        name, layout.name, times, table.lines(), raw_bodies(table, layout.bodies, declared), frame,
-        layout.zero_is_missing, of_day, layout.remarks,
+        name, layout.name, times, table.lines(), bodies, frame, layout.zero_is_missing, of_day,
+        remarks,
     )  # fmt: skip
 
 
