@@ -1,9 +1,8 @@
-"""Findings of the plausibility check, and the words in which they name what would fit."""
+"""Samples that are checked for plausibility, and what is found."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -63,29 +62,3 @@ def options_that_fix(findings: Iterable[Finding]) -> str:
 def refusal(findings: Iterable[Finding]) -> str | None:
     """Return why data are refused, as one text; None if they are not."""
     return "; ".join(f.text for f in findings if f.verdict == "refuse") or None
-
-
-def fitting_units(
-    value: float, unit: str, units: Mapping[str, float], bounds: tuple[float, float], usual: float
-) -> list[str]:
-    """Return the units in which the source's numbers would fit, the likeliest first."""
-    given = value / units[unit]
-    fits = {name: given * size for name, size in units.items() if name != unit}
-    fits = {name: x for name, x in fits.items() if bounds[0] <= x <= bounds[1]}
-    common = {name: x for name, x in fits.items() if name not in ("dm", "in")} or fits
-    return sorted(common, key=lambda name: abs(math.log(common[name] / usual)))
-
-
-def fix_of(word: str, units: list[str]) -> tuple[str, str] | None:
-    """Return the declaration that would mend a finding, by the likeliest unit."""
-    return (word, units[0]) if units else None
-
-
-def question(verb: str, units: list[str]) -> str:
-    """Return the question whether it is one of the units, as text; empty without any."""
-    return f": {verb} {' or '.join(units)}?" if units else ""
-
-
-def number_text(value: float) -> str:
-    """Return a number as text, with three digits, or whole where it is large."""
-    return f"{value:.3g}" if not 1e3 <= value < 1e7 else f"{value:.0f}"

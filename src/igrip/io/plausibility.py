@@ -14,19 +14,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from igrip.io.findings import (
-    Array,
-    Finding,
-    Samples,
-    fitting_units,
-    fix_of,
-    number_text,
-    options_that_fix,
-    question,
-    refusal,
-)
+from igrip.io.findings import Array, Finding, Samples, options_that_fix, refusal
+from igrip.io.fitting_units import fitting_units, fix_by, format_number, question
 from igrip.io.frames import METRES, SECONDS
-from igrip.io.plausible_motion import check_motion
+from igrip.io.plausible_motion import MAX_EXTENT, USUAL_EXTENT, check_motion
 from igrip.io.upright import layer_of
 
 __all__ = ["Finding", "Samples", "check_extents", "check_length", "check_samples", "check_sizes",
@@ -35,9 +26,8 @@ __all__ = ["Finding", "Samples", "check_extents", "check_length", "check_samples
 MAX_INTERVAL = 2.0  # s between samples; more is refused
 SLOW_INTERVAL = 0.5  # s; more is remarked
 MIN_INTERVAL = 2e-4  # s; less is refused
-MAX_EXTENT = 20.0  # m that a hand or object may move; more is refused
 MIN_EXTENT = 0.005  # m that the whole scene must span
-USUAL_INTERVAL, USUAL_EXTENT, USUAL_SIZE = 0.012, 0.5, 0.15  # s, m, m: which unit fits best
+USUAL_INTERVAL, USUAL_SIZE = 0.012, 0.15  # s, m: which unit fits best
 SIZES = (0.002, 2.0)  # m of a thing that a hand grasps
 MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 20 a sample
 MESSAGES_PER_SAMPLE = 20
@@ -89,21 +79,15 @@ def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
     step = float(np.median(steps))
     if MIN_INTERVAL <= step <= SLOW_INTERVAL:
         return []
-    if _are_frames(values, steps):
-        text = "times grow by 1, in whole numbers: are these frame numbers? Divide them by the rate"
-        return [Finding("remark", "interval", text)]
     fits = fitting_units(step, unit, SECONDS, (5e-4, 0.25), USUAL_INTERVAL)
-    refused = not MIN_INTERVAL <= step <= MAX_INTERVAL
-    text = f"steps of {number_text(step)} s" + question("are these", fits)
+    counted = step == 1.0 and len(steps) > 2 * MIN_SAMPLES and bool((steps % 1.0 == 0.0).all())
+    refused = counted or not MIN_INTERVAL <= step <= MAX_INTERVAL
+    named = [*fits, "frame numbers (an import takes their rate)"] if counted else fits
+    text = f"steps of {format_number(step)} s" + question("are these", named)
     if not fits and step > SLOW_INTERVAL:
         text += ": igrip follows motion from about 10 samples a second on"
     verdict: Literal["refuse", "remark"] = "refuse" if refused else "remark"
-    return [Finding(verdict, "interval", text, fix_of("time_unit", fits))]
-
-
-def _are_frames(times: Array, steps: Array) -> bool:
-    whole = times[np.isfinite(times)]
-    return float(np.median(steps)) == 1.0 and bool((whole == np.round(whole)).all())
+    return [Finding(verdict, "interval", text, fix_by("time_unit", fits))]
 
 
 def check_length(times: ArrayLike, rate: float) -> list[Finding]:
@@ -117,8 +101,8 @@ def check_length(times: ArrayLike, rate: float) -> list[Finding]:
     if messages <= max(MAX_MESSAGES, MESSAGES_PER_SAMPLE * len(values)):
         return []
     text = (
-        f"{len(values)} samples over {number_text(seconds)} s would become {messages:.3g} messages "
-        f"at {rate:g} Hz: is the unit of time right, and are there odd times?"
+        f"{len(values)} samples over {format_number(seconds)} s would become {messages:.3g} "
+        f"messages at {rate:g} Hz: is the unit of time right, and are there odd times?"
     )
     return [Finding("refuse", "length", text)]
 
@@ -140,16 +124,16 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
         if size <= MAX_EXTENT * (1.0 if size is span else 5.0):
             continue
         fits = fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
-        text = f"{id} {words} {number_text(size)} m{'' if size is span else ' from the origin'}"
+        text = f"{id} {words} {format_number(size)} m{'' if size is span else ' from the origin'}"
         text += question("are its positions in", fits)
-        findings.append(Finding("refuse", "extent", text, fix_of("length_unit", fits)))
+        findings.append(Finding("refuse", "extent", text, fix_by("length_unit", fits)))
     if findings or not everything:
         return findings
     span = float(np.max(np.ptp(np.concatenate(everything), axis=0)))
     if len(everything) > 1 and 0.0 < span < MIN_EXTENT:
         fits = fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
-        text = f"the whole scene spans {number_text(span)} m" + question("are positions in", fits)
-        findings.append(Finding("refuse", "extent", text, fix_of("length_unit", fits)))
+        text = f"the whole scene spans {format_number(span)} m" + question("are positions in", fits)
+        findings.append(Finding("refuse", "extent", text, fix_by("length_unit", fits)))
     return findings
 
 
@@ -161,8 +145,8 @@ def check_sizes(extents: Mapping[str, ArrayLike], unit: str = "m") -> list[Findi
         if SIZES[0] <= size <= SIZES[1]:
             continue
         fits = fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
-        text = f"{name} is {number_text(size)} m long" + question("is it in", fits)
-        findings.append(Finding("refuse", "size", text, fix_of("length_unit", fits)))
+        text = f"{name} is {format_number(size)} m long" + question("is it in", fits)
+        findings.append(Finding("refuse", "size", text, fix_by("length_unit", fits)))
     return findings
 
 

@@ -114,6 +114,33 @@ def test_transforms_and_poses_are_observations_in_the_root_frame(bag):
         assert observations[0].t == 0.0
 
 
+def test_pictures_are_left_out_and_said_to_be(tmp_path):
+    for storage in (StoragePlugin.MCAP, StoragePlugin.SQLITE3):
+        for posed in (True, False):
+            folder = tmp_path / f"{storage.name}{posed}"
+            with Writer(folder, version=9, storage_plugin=storage) as bag:
+                kinds = {"/cam/depth": "sensor_msgs/msg/Image"} | ({MUSTARD: POSE} if posed else {})
+                topics = {t: bag.add_connection(t, k, typestore=STORE) for t, k in kinds.items()}
+                empty = make("sensor_msgs/msg/Image", header=header("cam", BEGIN), height=1,
+                             width=1, encoding="16UC1", is_bigendian=0, step=2,
+                             data=np.zeros(2, np.uint8))  # fmt: skip
+                for k in range(20):
+                    ns = BEGIN + k * 33_333_333
+                    data = {"/cam/depth": empty, MUSTARD: pose("world", ns, [0.0, 0.4, 0.0])}
+                    for topic, connection in topics.items():
+                        kind = connection.msgtype
+                        bag.write(connection, ns, STORE.serialize_cdr(data[topic], kind))
+            for path in files(folder):
+                reader = igrip.open_source(path)
+                if not posed:
+                    with pytest.raises(RecordingError, match="not looked for in the pictures"):
+                        list(reader)
+                    continue
+                assert len(list(reader)) == 20
+                [said] = [text for text in reader.remarks if text.startswith("left out")]
+                assert "/cam/depth. Hands and objects are not looked for in the pictures" in said
+
+
 def test_a_bag_replays_like_a_recording(bag):
     catalog = igrip.load_objects("ycb")
     estimator = igrip.Estimator(catalog)

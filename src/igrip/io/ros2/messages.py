@@ -20,6 +20,8 @@ POSES = (
 )  # fmt: skip
 READABLE = (*TRANSFORMS, *POSES)
 MAX_LATENCY = 5.0  # s from a stamp to its arrival; one that is older is of another clock
+PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage",
+            "sensor_msgs/msg/PointCloud2")  # fmt: skip
 _NO_THINGS = re.compile(r"camera|optical|sensor|imu|^map$|^odom|^base|^world", re.IGNORECASE)
 _NO_NAMES = {"pose", "poses", "tf", "odom", "tracker", "vrpn", "mocap", "data", "world"}
 
@@ -108,7 +110,25 @@ def describe_topics(topics: Counter[tuple[str, str]]) -> str:
     kinds = ", ".join(READABLE)
     return (
         f"holds {', '.join(listed[:12]) or 'no messages'}{more}. What can be read: /observations "
-        f"of igrip; of ROS 2 {kinds}"
+        f"of igrip; of ROS 2 {kinds}{_no_pictures(topics)}"
+    )
+
+
+def left_out(topics: Counter[tuple[str, str]]) -> list[str]:
+    """Return which topics are not read, as remarks; a reader calls it after the last message."""
+    names = sorted(topic for topic, kind in topics if kind not in READABLE)
+    if not names:
+        return []
+    more = f", and {len(names) - 12} more" if len(names) > 12 else ""
+    return [f"left out: {', '.join(names[:12])}{more}{_no_pictures(topics)}"]
+
+
+def _no_pictures(topics: Counter[tuple[str, str]]) -> str:
+    if not any(kind in PICTURES for _, kind in topics):
+        return ""
+    return (
+        ". Hands and objects are not looked for in the pictures of a bag: record the camera with "
+        "igrip record, or record poses too"
     )
 
 
