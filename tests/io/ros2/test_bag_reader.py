@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
@@ -162,6 +162,26 @@ def test_a_bag_without_poses_is_answered_with_what_is_in_it(tmp_path):
                 RecordingError, match=r"/chatter \(std_msgs/msg/String\): 3 messages"
             ):
                 list(igrip.open_source(path))
+
+
+@pytest.mark.parametrize("storage", list(StoragePlugin), ids=lambda s: s.name)
+@pytest.mark.parametrize("mode", [CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_compressed_bags_are_read_as_folders(tmp_path, storage, mode):
+    folder = tmp_path / "bag"
+    writer = Writer(folder, version=9, storage_plugin=storage)
+    writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer as bag:
+        topic = bag.add_connection("/tf", TF, typestore=STORE)
+        for k in range(60):
+            ns = BEGIN + k * 33_333_333
+            hand = transform("world", "right_hand", ns, hand_at(k))
+            bag.write(topic, ns, STORE.serialize_cdr(make(TF, transforms=[hand]), TF))
+    hands = [o.hands["right"].position for o in igrip.open_source(folder)]
+    assert hands == [pytest.approx(hand_at(k)) for k in range(60)]
+    for path in files(folder)[1:]:  # without the metadata nothing says how they are compressed
+        reader = igrip.open_source(path)
+        with pytest.raises(RecordingError, match="open the folder of the bag"):
+            list(reader)
 
 
 def test_damaged_files_are_errors_of_recordings(tmp_path, bag):

@@ -19,6 +19,7 @@ POSES = (
     "nav_msgs/msg/Odometry",
 )  # fmt: skip
 READABLE = (*TRANSFORMS, *POSES)
+_ZSTD = b"\x28\xb5\x2f\xfd"  # the first bytes of what zstd compressed
 MAX_LATENCY = 5.0  # s from a stamp to its arrival; one that is older is of another clock
 PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage",
             "sensor_msgs/msg/PointCloud2")  # fmt: skip
@@ -66,6 +67,11 @@ class RosMessages:
         try:
             message: Any = self._store.deserialize_cdr(data, kind)
         except Exception as error:  # the package trusts its input
+            if data.startswith(_ZSTD):
+                raise ObservationError(
+                    "message",
+                    "is compressed by itself: open the folder of the bag, with metadata.yaml",
+                ) from None
             raise ObservationError("message", f"of {topic} is no {kind}: {error!r:.200}") from None
         if self._begin is None:
             self._begin = arrived
