@@ -132,8 +132,11 @@ def _replay_recording(
     for text in [*([cut] if cut else []), *remarks, *defects.lines()]:
         warn(text)
     inputs = run.estimator.inputs()
-    if not inputs["hands"] and not inputs["objects"]:
-        raise RecordingError(f"{path}: no hand and no object in {len(times)} messages")
+    if not inputs["hands"]:
+        none = "no hand" if inputs["objects"] else "no hand and no object"
+        raise RecordingError(
+            f"{path}: {none} in {len(times)} messages: there is nothing to predict"
+        )
 
 
 def _missing(run: EstimatorRun) -> list[str]:
@@ -141,9 +144,7 @@ def _missing(run: EstimatorRun) -> list[str]:
     inputs = run.estimator.inputs()
     remarks = [f"{id}: {state['reason']}" for id, state in inputs["objects"].items()
                if not state["known"]]  # fmt: skip
-    if not inputs["hands"]:
-        remarks.append("no hand was seen: there is nothing to predict")
-    elif not inputs["objects"]:
+    if inputs["hands"] and not inputs["objects"]:
         remarks.append("no object was seen: there is no target to choose")
     return remarks
 

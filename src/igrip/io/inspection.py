@@ -13,17 +13,12 @@ import numpy as np
 from igrip.errors import DatasetError
 from igrip.io.importers import ImportFiles
 from igrip.io.plausibility import Samples, check_samples
-from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
 from igrip.io.takes.roles import hands_of, objects_of
+from igrip.io.takes.sections import merge_tracking_systems
 from igrip.io.takes.take import Take
 from igrip.io.takes.upright import with_upright_axes
-
-ROTATIONS = (
-    "three numbers of a rotation are taken as axis times angle; Euler angles are declared by "
-    'rotations = "XYZ" in a map (about the body\'s axes; "xyz": about the world\'s)'
-)
 
 
 @dataclass(frozen=True)
@@ -99,7 +94,7 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
     """
     files = ImportFiles(paths)
     found = []
-    for name, source in files.opened.items():
+    for name, source in merge_tracking_systems(files.opened).items():
         if isinstance(source, DatasetError):
             path = files.paths[0] if len(files.paths) == 1 else Path(name)
             found.append(Inspection(name, path, "not readable", problem=str(source)))
@@ -114,8 +109,6 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
             found.append(Inspection(name, path, layout, dialect, columns, None, str(error)))
             continue
         findings = [*take.remarks, *(finding.text for finding in _findings(take))]
-        if _takes_rotvec(source) and not declared.rotations:
-            findings.append(ROTATIONS)
         found.append(Inspection(name, path, layout, dialect, columns, take, None, findings))
     if not found:
         inside = sorted({path.suffix or path.name for p in files.paths for path in _files(p)})
@@ -124,11 +117,6 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
             f"{', '.join(inside[:10]) or 'nothing'}{_other_command(inside)}"
         )
     return found
-
-
-def _takes_rotvec(source: Table | Path) -> bool:
-    bodies = source.layout.bodies if isinstance(source, Table) else ()
-    return any(body.rotation and body.rotation_kind == "rotvec" for body in bodies)
 
 
 def _other_command(endings: Iterable[str]) -> str:

@@ -18,8 +18,9 @@ from igrip.io.tables import Table
 from igrip.io.takes.build import RawBody, build_take
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import TAKE_ENDINGS, read_take
-from igrip.io.takes.tables import raw_bodies, times_of
+from igrip.io.takes.sections import with_sections
 from igrip.io.takes.take import Take
+from igrip.io.takes.times import raw_bodies, times_of
 
 TRIAL_HAND = "\0hand"
 """Name of the track of the hand that the table of trials names."""
@@ -40,9 +41,9 @@ def takes_in(
     samples = columns.samples
     time = _time_column(source, columns, declared)
     times, of_day = times_of(source, declared, time)
-    bodies = raw_bodies(source, source.layout.bodies, declared)
-    lines = source.lines()
     remarks = list(source.layout.remarks)
+    bodies = raw_bodies(source, source.layout.bodies, declared, remarks)
+    lines = source.lines()
     hand = _hand_columns(source, columns)
     if hand is not None:
         bodies.pop("", None)  # the same columns without a name
@@ -78,9 +79,9 @@ def takes_in(
 
     if samples.trial is None:
         take = built(trial_id(name), None)
-        return {
-            trial_id(name): take if isinstance(take, DatasetError) else _with_hand(take, columns)
-        }
+        if not isinstance(take, DatasetError):
+            take = _with_hand(with_sections(take, source, declared), columns)
+        return {trial_id(name): take}
     groups: dict[str, list[int]] = {}
     for k, text in enumerate(source.texts(source.find(samples.trial))):
         groups.setdefault(trial_id(text), []).append(k)

@@ -23,6 +23,7 @@ from pydantic import ValidationError
 from igrip.errors import ObjectsError, install_command
 from igrip.objects.bop import bop_options
 from igrip.objects.mesh_files import TABLE, MeshFile, MeshOptions
+from igrip.objects.mesh_reader import read_text
 from igrip.settings import problem_of
 
 log = logging.getLogger(__name__)
@@ -146,7 +147,7 @@ def _read_table(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        table = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ObjectsError(f"{path}: {error}") from error
     for name, entry in table.items():

@@ -115,7 +115,7 @@ class LslInput:
             return None
         frame = self._frame
         units = {size: unit for unit, size in METRES.items()}
-        if layout.metres in units and frame.length_unit == "m":
+        if layout.metres in units and (frame.length_unit == "m" or layout.is_converted):
             frame = replace(frame, length_unit=units[layout.metres])
         # stamps are in seconds whatever the unit of times in messages
         sender = Sender(name=name, frame=replace(frame, time_unit="s"))
