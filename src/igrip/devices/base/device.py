@@ -14,17 +14,13 @@ Condition = Literal["open", "closing", "holding", "fault"]
 Cause = Literal["silence", "end", "veto", "fault", "close"]
 
 __all__ = [
-    "Cause", "Condition", "Device", "DeviceError", "DeviceState", "DeviceType", "LimitError",
-    "Permit", "Phase",
+    "Cause", "Condition", "Device", "DeviceError", "DeviceState", "DeviceType", "Permit",
+    "Phase",
 ]  # fmt: skip
 
 
 class DeviceError(IgripError):
     """A device does not answer, answers wrongly, reports a fault, or cannot be opened."""
-
-
-class LimitError(DeviceError):
-    """A command, or a configuration, is beyond a limit."""
 
 
 @dataclass(frozen=True)
