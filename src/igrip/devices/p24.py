@@ -61,7 +61,11 @@ class P24Device(Stimulator):
         self._events = asyncio.new_event_loop()
         self._connection, self._device = connection, science_mode_4.DeviceP24(connection)
         self._last_words = LastWords(connection.ser.fileno(), encode4(Packet(0, ML_STOP, b"")))
-        self._wait(self._device.initialize(), OPEN_TIMEOUT)
+        try:
+            self._wait(self._device.initialize(), OPEN_TIMEOUT)
+        except DeviceError:
+            self._disconnect()
+            raise
 
     def _stimulate(self, pulses: Sequence[Pulse]) -> None:
         import science_mode_4

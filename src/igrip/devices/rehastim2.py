@@ -118,7 +118,9 @@ def _quiet(base: type[Any], limit: float) -> type[Any]:
         def _read_packet(self) -> list[bytes]:
             """Return whole packets, unstuffed where the library expects plain bytes."""
             frames = self.__dict__.setdefault("_frames", sciencemode.Frames())
-            packets = [decode2(whole) for whole in frames.feed(self.port.read(self.port.in_waiting))]
+            packets = [
+                decode2(whole) for whole in frames.feed(self.port.read(self.port.in_waiting))
+            ]
             return [
                 b"\xf0\x81\0\x81\0" + bytes((p.number, p.command)) + p.data + b"\x0f"
                 for p in packets if p is not None

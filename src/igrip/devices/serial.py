@@ -14,7 +14,16 @@ from pydantic import model_validator
 from igrip.devices import DEVICES
 from igrip.devices.base.device import Cause, Condition, DeviceError, DeviceState, Permit
 from igrip.devices.base.frames import (
-    ALLOW, HELLO, MAX_TTL, QUERY, STATE, STOP, Allow, Frame, FrameReader, Reported,
+    ALLOW,
+    HELLO,
+    MAX_TTL,
+    QUERY,
+    STATE,
+    STOP,
+    Allow,
+    Frame,
+    FrameReader,
+    Reported,
 )  # fmt: skip
 from igrip.devices.base.port import open_serial
 from igrip.devices.base.settings import DeviceSettings

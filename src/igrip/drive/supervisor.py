@@ -13,7 +13,12 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 from igrip.devices.base.device import (
-    Cause, Condition, Device, DeviceState, Permit, Phase,
+    Cause,
+    Condition,
+    Device,
+    DeviceState,
+    Permit,
+    Phase,
 )  # fmt: skip
 from igrip.drive.receiver import Decision
 

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from igrip.devices.base.sciencemode import (
-    ML_CURRENT_DATA, ML_INIT, ML_STOP, ML_UPDATE, Frames, Packet, decode4, encode4, points4,
+    ML_CURRENT_DATA,
+    ML_INIT,
+    ML_STOP,
+    ML_UPDATE,
+    Frames,
+    Packet,
+    decode4,
+    encode4,
+    points4,
 )  # fmt: skip
 from igrip.devices.base.twin import OutputLog
 

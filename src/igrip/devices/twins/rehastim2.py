@@ -8,7 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from igrip.devices.base.sciencemode import (
-    INIT, INIT_ACK, SET_UP, START_STIMULATION, STOP_STIMULATION, Frames, Packet, decode2, encode2,
+    INIT,
+    INIT_ACK,
+    SET_UP,
+    START_STIMULATION,
+    STOP_STIMULATION,
+    Frames,
+    Packet,
+    decode2,
+    encode2,
 )  # fmt: skip
 from igrip.devices.base.twin import OutputLog
 

@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from igrip.devices.base.frames import (
-    ALLOW, HELLO, MAX_TTL, QUERY, STATE, STOP, Allow, Frame, FrameReader, Reported, is_newer,
+    ALLOW,
+    HELLO,
+    MAX_TTL,
+    QUERY,
+    STATE,
+    STOP,
+    Allow,
+    Frame,
+    FrameReader,
+    Reported,
+    is_newer,
 )  # fmt: skip
 from igrip.devices.base.twin import OutputLog
 
