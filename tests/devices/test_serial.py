@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import random
 import re
@@ -98,7 +99,7 @@ def test_the_level_rises_no_faster_than_the_ramp():
         levels.append((clock.t, int(twin.outputs[-1].text.split()[-1])))
         clock.t += 0.02
         device._heard = clock.t
-    for (t0, a), (t1, b) in zip(levels, levels[1:], strict=False):
+    for (t0, a), (t1, b) in itertools.pairwise(levels):
         assert b - a <= 255 * (t1 - t0) / 0.5 + 1
     assert levels[-1][1] == 255
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import signal
@@ -63,10 +64,8 @@ def rig(request, tmp_path):
     device.open()
     yield device, server
     server.pulled = False
-    try:
+    with contextlib.suppress(DeviceError):
         device.close()
-    except DeviceError:
-        pass
     server.close()
 
 
@@ -94,7 +93,7 @@ def test_the_pattern_of_the_file_reaches_the_skin(rig):
 
 def test_only_the_main_thread_is_needed(rig):
     """No thread of a library keeps a stimulation alive."""
-    device, server = rig
+    device, _ = rig
     close_fully(device)
     names = {thread.name for thread in threading.enumerate()}
     assert [name for name in names if "watchdog" in name or "catch" in name] == []
@@ -164,7 +163,7 @@ def test_no_command_is_beyond_the_limit_whoever_gives_it(rig):
     device, server = rig
     close_fully(device)
     for current in (21.0, 60.0, 127.0):
-        with pytest.raises(DeviceError, match="above the limit|refused"):
+        with pytest.raises(DeviceError, match=r"above the limit|refused"):
             device._stimulate([Pulse(1, current, 300), Pulse(4, current, 240)])
     assert max(output.current for output in server.twin.outputs) <= 20.0
     with pytest.raises(DeviceError, match="width"):
@@ -205,6 +204,8 @@ import sys, time
 sys.path[:0] = sys.argv[3:]
 from pathlib import Path
 from igrip.devices import DEVICES
+from igrip.devices.base import port as ports
+ports.ANSWER_TIMEOUT = 1.0
 from igrip.devices.base.device import Permit
 from igrip.devices.base.settings import StimulatorSettings, read_settings
 kind = DEVICES.get(sys.argv[1])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from igrip.devices.base.device import DeviceType
+from typing import Any
+
 from igrip.registry import Registry
 
-DEVICES: Registry[type[DeviceType]] = Registry("device", "igrip.devices")
+# a member is a class of igrip.devices.base.device.Device, called with its settings and a clock; it
+# has ``Settings``, and ``new_twin(settings, clock)`` returns its virtual twin
+DEVICES: Registry[type[Any]] = Registry("device", "igrip.devices")
 
 
 def device_name(text: str) -> str:

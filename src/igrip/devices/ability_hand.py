@@ -1,8 +1,8 @@
 """``ability-hand``: PSYONIC's Ability Hand, through its package ``ability-hand`` (ah_wrapper).
 
-The package writes its newest command from a thread of its own, for ever. Here no thread is started:
-each command follows from a fresh decision. What else is worked around: it makes a file ``config.py``
-in the current folder when it is imported, and ends the program where no hand answers.
+The package writes its newest command from a thread of its own, for ever. Here no thread is started,
+each command follows from a fresh decision. What else is worked around: it makes a file
+``config.py`` in the current folder when imported, and ends the program where no hand answers.
 """
 
 from __future__ import annotations

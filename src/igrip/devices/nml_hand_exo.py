@@ -63,7 +63,6 @@ class NmlHandExoDevice(PostureDevice):
         self._port, self._baudrate = settings.port, settings.baudrate
         self._motors, self._limit = settings.motors, min(settings.limit_ma, MAX_CURRENT)
         self._exo: Any = None
-        self._held = False
         self._last_words: LastWords | None = None
 
     @staticmethod
@@ -86,11 +85,11 @@ class NmlHandExoDevice(PostureDevice):
 
         line = Bounded(self._port, self._baudrate, timeout=0.0)
         self._exo = HandExo(line, command_delimiter="\n", send_delay=0.0)
-        self._do(lambda exo: exo.connect())
+        self._do("connect")
         line.device.write_timeout = ports.WRITE_TIMEOUT
         self._last_words = LastWords(line.device.fileno(), b"stop:all\ndisable:all\n")
         try:
-            version = self._do(lambda exo: exo.firmware_version())
+            version = self._do("firmware_version")
             if version < (0, 6, 2):
                 text = ".".join(map(str, version)) or "unknown"
                 raise DeviceError(f"{self._port}: firmware {text}; 0.6.2 is needed")
@@ -100,11 +99,8 @@ class NmlHandExoDevice(PostureDevice):
             raise
 
     def _move(self, positions: Sequence[float]) -> None:
-        self._held = True
         for motor, angle in zip(self._motors, positions, strict=True):
-            answer = self._do(lambda exo, m=motor, a=angle: exo.hold_motor_position(
-                m, round(a, 2), self._limit
-            ))  # fmt: skip
+            answer = self._do("hold_motor_position", motor, round(angle, 2), self._limit)
             applied = float(str(answer).rpartition("current_mA=")[2] or "nan")
             if not applied <= self._limit:
                 raise DeviceError(f"motor {motor} was given {applied:g} mA")
@@ -112,10 +108,14 @@ class NmlHandExoDevice(PostureDevice):
     def _freeze(self, keep: bool) -> None:
         if keep:  # the firmware goes on holding where it is
             return
-        self._held = False
-        self._do(lambda exo: exo.stop_direct_control("all"))
-        for motor in self._motors:
-            self._do(lambda exo, m=motor: exo.release_motor_hold(m))
+        failed = None
+        for motor in self._motors:  # one that fails must not keep the others from being released
+            try:
+                self._do("release_motor_hold", motor)
+            except DeviceError as error:
+                failed = error
+        if failed is not None:
+            raise failed
 
     def _release(self) -> None:
         self._freeze(keep=False)
@@ -125,12 +125,13 @@ class NmlHandExoDevice(PostureDevice):
         if self._exo is None:
             raise DeviceError(f"{self._port}: is not open")
 
-    def _do(self, what: Callable[[Any], Any]) -> Any:
+    def _do(self, method: str, *arguments: Any) -> Any:
+        """Call a method of the package."""
         if self._exo is None:
             raise DeviceError(f"{self._port}: is not open")
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # it prints warnings
-                return what(self._exo)
+                return getattr(self._exo, method)(*arguments)
         except (OSError, RuntimeError, ValueError, TypeError, AttributeError) as error:
             raise DeviceError(f"{self._port}: {error}") from error
 

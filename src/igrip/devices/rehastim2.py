@@ -108,7 +108,9 @@ class Rehastim2Device(Stimulator):
 def _quiet(base: type[Any], limit: float) -> type[Any]:
     """Return the library's class without its threads, with bounded waits and a gate."""
 
-    class Quiet(base):  # type: ignore[misc, valid-type]
+    class Quiet(base):  # type: ignore[misc]
+        port: Any
+
         def _start_watchdog(self) -> None:
             self.port = Gate(self.port, largest2, limit, MAX_WIDTH)
 

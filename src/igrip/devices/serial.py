@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from igrip.devices import DEVICES
 from igrip.devices.base.device import Cause, Condition, DeviceError, DeviceState, Permit
@@ -55,6 +55,10 @@ class SerialGrip(Settings):
     grasp: int = quantity(255, "1", "level at the object, 0 to 255", ge=0, le=255)
 
 
+def _default_grips() -> dict[str, SerialGrip]:
+    return {"palmar": SerialGrip(number=1), "pinch": SerialGrip(number=2)}
+
+
 class SerialSettings(DeviceSettings):
     """A microcontroller that acts on frames.
 
@@ -67,9 +71,7 @@ class SerialSettings(DeviceSettings):
     baudrate: int = quantity(115200, "Bd", "of the line", gt=0)
     max_level: int = quantity(255, "1", "no level may be higher", ge=0, le=255)
     ramp: float = quantity(0.3, "s", "a level takes this long from 0 to 255", ge=0.0, le=10)
-    grips: dict[str, SerialGrip] = {
-        "palmar": SerialGrip(number=1), "pinch": SerialGrip(number=2),
-    }  # fmt: skip
+    grips: dict[str, SerialGrip] = Field(default_factory=_default_grips)
 
     @model_validator(mode="after")
     def _check_levels(self) -> SerialSettings:

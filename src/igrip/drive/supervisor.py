@@ -114,6 +114,13 @@ class Supervisor:
         self.stopped, self.fault = False, None
         self._note("resumed")
 
+    def lose(self) -> None:
+        """Handle the end of the connection: nothing more will come on it."""
+        self._newest = None
+        self._note("the connection has ended")
+        if self.acting is not None:
+            self._stop("silence")
+
     # what happens in time
 
     def step(self) -> None:

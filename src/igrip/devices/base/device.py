@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Protocol
+from typing import Literal, Protocol
 
-from igrip.devices.base.settings import DeviceSettings, Phase
-from igrip.devices.base.twin import Twin
+from igrip.devices.base.settings import Phase
 from igrip.errors import IgripError
 
 Condition = Literal["open", "closing", "holding", "fault"]
 Cause = Literal["silence", "end", "veto", "fault", "close"]
 
-__all__ = [
-    "Cause", "Condition", "Device", "DeviceError", "DeviceState", "DeviceType", "Permit",
-    "Phase",
-]  # fmt: skip
+__all__ = ["Cause", "Condition", "Device", "DeviceError", "DeviceState", "Permit", "Phase"]
 
 
 class DeviceError(IgripError):
@@ -114,16 +109,3 @@ class Device(Protocol):
 
     def close(self) -> None:
         """Stop it and disconnect; may be called twice."""
-
-
-class DeviceType(Device, Protocol):
-    """A member of the family: a class of devices, its settings, its virtual twin."""
-
-    Settings: ClassVar[type[Any]]
-
-    def __init__(self, settings: Any, clock: Callable[[], float]) -> None: ...
-
-    @staticmethod
-    def new_twin(settings: DeviceSettings, clock: Callable[[], float]) -> Twin:
-        """Return a virtual device that speaks the same wire protocol."""
-        ...

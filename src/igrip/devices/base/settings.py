@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from pydantic import ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from igrip.devices.base.limits import MAX_CURRENT, MAX_FREQUENCY, MAX_WIDTH
 from igrip.errors import IgripError
@@ -140,7 +140,7 @@ class PostureSettings(DeviceSettings):
     when_silent: Literal["stop", "keep"] = "keep"
     rest: tuple[float, ...]
     grips: dict[str, Posture]
-    apertures: dict[str, float] = {}
+    apertures: dict[str, float] = Field(default_factory=dict)
     max_aperture: float = quantity(0.1, "m", "width that grasp_wide is meant for", "guess", gt=0)
 
     @model_validator(mode="after")
