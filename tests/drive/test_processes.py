@@ -1,7 +1,8 @@
-"""``igrip drive`` as a process, watched by the device at the end of its line, killed and cut off."""
+"""``igrip drive`` as a process, watched by the device at the end of its line, killed or cut off."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import random
@@ -47,10 +48,8 @@ class Drive:
         self.sequence = self.leases = 0
 
     def _read_errors(self):
-        try:
+        with contextlib.suppress(ValueError):
             self.lines.extend(self.process.stderr)
-        except ValueError:
-            pass
 
     def send(self, **changes):
         self.sequence += 1
@@ -74,10 +73,8 @@ class Drive:
         self.process.kill()
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
-            try:
+            with contextlib.suppress(BrokenPipeError):
                 pipe.close()
-            except BrokenPipeError:
-                pass
         self.server.close()
 
 

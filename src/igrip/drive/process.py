@@ -54,7 +54,7 @@ class DeviceProcess:
             self._obey = lambda command: loop.submit(command, sender)
         self._process = subprocess.Popen(
             [sys.executable, "-m", "igrip", "drive", "--from", "stdin", *self._arguments],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=_own_errors(), bufsize=0,
         )  # fmt: skip
         self._writer.start()
         self._reader.start()
@@ -114,3 +114,11 @@ class DeviceProcess:
     def counts(self) -> dict[str, int]:
         """Return how many intentions it was sent, and how many were lost."""
         return {"sent": self._sent, "lost": self._queue.counts["dropped"]}
+
+
+def _own_errors() -> int | None:
+    """Return the descriptor that this program's own lines go to; libraries' go elsewhere."""
+    try:
+        return sys.stderr.fileno()
+    except (AttributeError, OSError, ValueError):  # there is none
+        return None

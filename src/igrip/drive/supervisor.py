@@ -22,7 +22,7 @@ from igrip.devices.base.device import (
 )  # fmt: skip
 from igrip.drive.receiver import Decision
 
-MARGIN = 0.03  # s before the end of a lease at which it stops, so that the command arrives in time
+MARGIN = 0.03  # s before the end of a lease at which it stops: a command may take that long
 VETO_HOLD = 0.5  # s without a lease after a veto, at least
 STOP_RETRY = 0.02  # s
 POLL_INTERVAL = 0.02  # s between two looks at a device's state
@@ -133,9 +133,9 @@ class Supervisor:
         if permit is not None:
             acting = self.acting
             due = now - self._acted_at >= self._device.min_interval
-            if due or acting is None or now >= acting.until - self._margin:
+            if due or acting is None or now >= acting.until:
                 self._act(permit, now)
-        elif self.acting is not None and now >= self.acting.until - self._margin:
+        elif self.acting is not None and now >= self.acting.until:
             self._stop("silence")
         elif self.acting is not None and not self._goes_on():
             self._stop("silence" if self._blind() else "end")
@@ -185,7 +185,7 @@ class Supervisor:
             phase = "grasp"
         return Permit(
             newest.number, newest.hand, newest.target, newest.grip, newest.model, phase,
-            newest.until,
+            newest.until - self._margin,
         )  # fmt: skip
 
     def _end_veto(self, decision: Decision) -> None:
