@@ -1,4 +1,4 @@
-"""Nothing goes on without a lease, whatever goes wrong: judged at the device, on a virtual clock."""
+"""Nothing goes on without a lease, whatever goes wrong: judged at the device, in virtual time."""
 
 from __future__ import annotations
 

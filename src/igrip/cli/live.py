@@ -71,7 +71,8 @@ def live(
     max_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
     out: Annotated[
         list[str] | None,
-        typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
+        typer.Option(help="Where intentions go: ws, stdout, lsl, osc, udp, mqtt or ros2; "
+                     "repeatable."),
     ] = None,
     record: Annotated[
         Path | None,
@@ -84,6 +85,9 @@ def live(
     reliability: options.Reliability = None,
     confirm: options.Confirm = False,
     person: options.Person = None,
+    osc_to: options.OscTo = "127.0.0.1:9001",
+    udp_to: options.UdpTo = "127.0.0.1:9002",
+    mqtt_broker: options.MqttBroker = "127.0.0.1:1883",
     device: options.Device = None,
     device_config: options.DeviceConfig = None,
     arm: options.Arm = False,
@@ -113,7 +117,10 @@ def live(
     if poses != NOTHING:
         POSES.check(poses)
     pose_options = parse_options(option or [])
-    output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
+    output_options = Options(
+        host, port, token, osc_to=osc_to, udp_to=udp_to, mqtt_broker=mqtt_broker,
+        hands=tuple(assisted or HANDS),
+    )  # fmt: skip
     outputs = {name: _output(name)(output_options) for name in out or []}
     process = device_process(device, device_config, arm, twin, headless)
     if process is not None:

@@ -75,6 +75,10 @@ Arm = Annotated[
 ]
 Twin = Annotated[bool, typer.Option("--twin", help="A virtual device, whatever the file names.")]
 
+OscTo = Annotated[str, typer.Option(help="HOST:PORT that --out osc sends to.")]
+UdpTo = Annotated[str, typer.Option(help="HOST:PORT that --out udp sends to.")]
+MqttBroker = Annotated[str, typer.Option(help="HOST:PORT of the broker of --out mqtt.")]
+
 Up = Annotated[
     str | None, typer.Option(help="The source's axis that points up: z (default), y, -z, …")
 ]
