@@ -1,10 +1,10 @@
 """Observations from ROS 2: a ``geometry_msgs/PoseStamped`` for each hand and object, or tf.
 
 ``/igrip/hands/HAND/pose`` and ``/igrip/objects/NAME/pose`` are found as they appear; NAME is also
-that of the model. A name of ROS must not begin with a digit: an underscore before it is left out, as
-in ``/igrip/objects/_006_mustard_bottle/pose``. Transforms on ``/tf`` whose child frame is a hand (``right_hand``) or a model are
-taken too, where the package ``tf2_msgs`` is installed. All are in one fixed frame, the first that
-comes; others are refused.
+that of the model. A name of ROS must not begin with a digit: an underscore before it is left out
+(``/igrip/objects/_006_mustard_bottle/pose``). Transforms on ``/tf`` whose child frame is a hand
+(``right_hand``) or a model are taken too, where the package ``tf2_msgs`` is installed. All are in
+one fixed frame, the first that comes; others are refused.
 """
 
 from __future__ import annotations
