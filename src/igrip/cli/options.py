@@ -63,6 +63,23 @@ Token = Annotated[
                  "the address."),
 ]  # fmt: skip
 
+Device = Annotated[
+    str | None,
+    typer.Option(help="A device that acts on leases, in a process of its own: igrip drive, "
+                 "igrip list devices."),
+]  # fmt: skip
+DeviceConfig = Annotated[
+    Path | None, typer.Option(help="Configuration of the device: docs/devices.md.")
+]
+Arm = Annotated[
+    bool, typer.Option("--arm", help="Let the device act. Without this, it says what it would do.")
+]
+Twin = Annotated[bool, typer.Option("--twin", help="A virtual device, whatever the file names.")]
+
+OscTo = Annotated[str, typer.Option(help="HOST:PORT that --out osc sends to.")]
+UdpTo = Annotated[str, typer.Option(help="HOST:PORT that --out udp sends to.")]
+MqttBroker = Annotated[str, typer.Option(help="HOST:PORT of the broker of --out mqtt.")]
+
 Up = Annotated[
     str | None, typer.Option(help="The source's axis that points up: z (default), y, -z, …")
 ]

@@ -55,8 +55,8 @@ def check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
 def _check_sweep(id: str, times: Array, points: Array, unit: str) -> list[Finding]:
     """Check that a hand is not too fast over too long a way, as in inches taken for metres.
 
-    What sweeps steadily over metres at a speed that no hand keeps up is refused. Jumps back and forth
-    are no sweep.
+    What sweeps steadily over metres at a speed that no hand keeps up is refused. Jumps back and
+    forth are no sweep.
     """
     span = float(np.max(np.subtract(*np.percentile(points, [95.0, 5.0], axis=0))))
     interval = float(np.median(np.diff(times)))
