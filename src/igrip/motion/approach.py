@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
-from igrip.motion.reach_kernel import ReachState, set_reach, start_of, times_of
+from igrip.motion.reach_kernel import (
+    MAX_SPEED,
+    MAX_SPEED_TIME,
+    PATH,
+    ReachState,
+    start_of,
+    times_of,
+)
 
 Array = NDArray[np.float64]
 MAX_AHEAD = 0.25  # s; where a body is now is extrapolated from its last pose by at most this
@@ -54,7 +61,7 @@ def _approach(state, points, path, ahead):
         if lasted >= 0.5 * SPAN and step / lasted > peak:
             peak, peak_t = step / lasted, points[k, 0]
         before = k
-    set_reach(state, peak, peak_t, length)
+    state[MAX_SPEED], state[MAX_SPEED_TIME], state[PATH] = peak, peak_t, length
 
 
 def approach_of(reach: ReachState, path: Array, velocity: Array) -> tuple[ReachState, Array]:

@@ -18,7 +18,7 @@ from igrip.motion.noise import PRIOR_SAMPLES, new_noise, reset_noise, update_noi
 Array = NDArray[np.float64]
 Phase = Literal["rest", "accelerating", "decelerating"]
 
-# layout of the state, used in this file alone
+# layout of the state, used in this file and by approach.py alone
 TIME, MOVING, ONSET, START, MAX_SPEED, MAX_SPEED_TIME, PATH, LAST = 0, 1, 2, 3, 6, 7, 8, 9
 SLOW_SINCE, SLOW_VELOCITY, COUNT, RESTED, CANDIDATE, SWAY2 = 12, 13, 16, 17, 18, 19
 NOISE2, SIZE = 20, 21
@@ -146,12 +146,6 @@ class ReachState(NamedTuple):
 def times_of(state):
     """Return the times of the sample, of the onset and of the highest speed since [s]."""
     return state[TIME], state[ONSET], state[MAX_SPEED_TIME]
-
-
-@kernel
-def set_reach(state, max_speed, max_speed_time, path_length):
-    """Set the highest speed, when it was, and the length of the path [m/s, s, m]."""
-    state[MAX_SPEED], state[MAX_SPEED_TIME], state[PATH] = max_speed, max_speed_time, path_length
 
 
 @kernel
