@@ -4,7 +4,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
-# the near/far reaches of Wispinski et al. (2021): docs/importing.md says where they come from
+# the near/far reaches of Wispinski et al. (2021): docs/importing.md has their source
 REACHES ?= ../shared/data/wispinski2021
 # the folder that holds them and the hands at work, for training
 SHARED ?= ../shared/data

@@ -148,7 +148,8 @@ def _times(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[Any]]:
         for name, scores in summary["targets"].items()
         for event, parts in scores["times"]["all"].items() if parts
     ]  # fmt: skip
-    columns = ("estimator", "", *(text for part in PARTS for text in (f"at {part:.0%}", "held")))
+    errors = (text for part in PARTS for text in (f"at {part:.0%}", "held"))
+    columns = ("estimator", "event", *errors)
     title = "Predicted times: error in ms (median / 90 %), and what the 80 % intervals held"
     return title, columns, rows
 
@@ -181,7 +182,7 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
     output.print(table_of(columns, rows))
     for title, heads, cells in (_commitments(summary), _times(summary)):
         if cells:
-            output.print(table_of(heads, cells, title))
+            output.print(table_of(heads, cells, title, leading=2 if "event" in heads else 1))
     output.print(
         f"{summary['valid']} of {summary['reaches']} reaches valid, "
         f"{len(summary['excluded'])} recordings excluded; {out / 'report.html'}",

@@ -15,6 +15,7 @@ from rich.live import Live
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, until_interrupted, warn
+from igrip.cli.device_option import device_process
 from igrip.cli.live_table import COLUMNS, live_table, rows_of
 from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
@@ -70,7 +71,8 @@ def live(
     max_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
     out: Annotated[
         list[str] | None,
-        typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
+        typer.Option(help="Where intentions go: ws, stdout, lsl, osc, udp, mqtt or ros2; "
+                     "repeatable."),
     ] = None,
     record: Annotated[
         Path | None,
@@ -83,6 +85,13 @@ def live(
     reliability: options.Reliability = None,
     confirm: options.Confirm = False,
     person: options.Person = None,
+    osc_to: options.OscTo = "127.0.0.1:9001",
+    udp_to: options.UdpTo = "127.0.0.1:9002",
+    mqtt_broker: options.MqttBroker = "127.0.0.1:1883",
+    device: options.Device = None,
+    device_config: options.DeviceConfig = None,
+    arm: options.Arm = False,
+    twin: options.Twin = False,
     seconds: Annotated[
         float | None, typer.Option(help="Default: until Ctrl-C, or the end of a recording.", min=0)
     ] = None,
@@ -108,8 +117,14 @@ def live(
     if poses != NOTHING:
         POSES.check(poses)
     pose_options = parse_options(option or [])
-    output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
+    output_options = Options(
+        host, port, token, osc_to=osc_to, udp_to=udp_to, mqtt_broker=mqtt_broker,
+        hands=tuple(assisted or HANDS),
+    )  # fmt: skip
     outputs = {name: _output(name)(output_options) for name in out or []}
+    process = device_process(device, device_config, arm, twin, headless)
+    if process is not None:
+        outputs["device"] = process
     if not headless:
         page_port = free_port(page_port, "--page-port")
     if "ws" in outputs:
