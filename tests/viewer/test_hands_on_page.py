@@ -133,7 +133,7 @@ def test_without_probabilities_scores_are_not_called_probabilities(chromium, sna
             "score (not a probability)"
         )
         assert page.locator("tr[data-object=none]").count() == 0
-        assert page.get_by_text("Score of each object (not a probability)").count() == 1
+        page.get_by_text("Score of each object (not a probability)").wait_for()
     finally:
         page.close()
         viewer.close()

@@ -57,7 +57,7 @@ const handlers = {
     scene.refit();
   },
   stages: (message) => drawStages("stages", "Rate and latency of each stage", message),
-  borders: (message) => drawStages("borders", "The borders of the grips", message),
+  borders: (message) => drawStages("borders", "Heights from the middle, along the axis of the cylinder", message),
   picture({ camera, number }) {
     const host = byId("cameras");
     host.hidden = false;
