@@ -13,8 +13,8 @@ from igrip.runtime.outputs import OUTPUTS
 
 
 def test_names():
-    assert INPUTS.names() == ("lsl", "osc", "stdin", "ws")
-    assert OUTPUTS.names() == ("lsl", "stdout", "ws")
+    assert INPUTS.names() == ("lsl", "osc", "ros2", "stdin", "ws")
+    assert OUTPUTS.names() == ("lsl", "mqtt", "osc", "ros2", "stdout", "udp", "ws")
 
 
 def test_listing_the_names_imports_no_member():
@@ -23,7 +23,8 @@ def test_listing_the_names_imports_no_member():
         "from igrip.runtime.inputs import INPUTS\n"
         "from igrip.runtime.outputs import OUTPUTS\n"
         "INPUTS.names(), OUTPUTS.names()\n"
-        "print([name for name in sys.modules if name in ('pylsl', 'pythonosc', 'websockets')"
+        "peers = ('paho', 'pylsl', 'pythonosc', 'rclpy', 'websockets')\n"
+        "print([name for name in sys.modules if name in peers"
         " or name.startswith(('igrip.runtime.inputs.', 'igrip.runtime.outputs.'))])\n"
     )
     done = subprocess.run(
@@ -33,5 +34,7 @@ def test_listing_the_names_imports_no_member():
 
 
 def test_an_unknown_name_lists_the_choices():
-    with pytest.raises(UnknownNameError, match="'pigeon'; there are: lsl, stdout, ws"):
+    with pytest.raises(
+        UnknownNameError, match="'pigeon'; there are: lsl, mqtt, osc, ros2, stdout, udp, ws"
+    ):
         OUTPUTS.get("pigeon")

@@ -70,7 +70,8 @@ def live(
     max_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
     out: Annotated[
         list[str] | None,
-        typer.Option(help="Where intentions go: ws, stdout or lsl; repeatable."),
+        typer.Option(help="Where intentions go: ws, stdout, lsl, udp, osc, mqtt or ros2; "
+                     "repeatable."),
     ] = None,
     record: Annotated[
         Path | None,
@@ -91,6 +92,10 @@ def live(
     host: options.Host = "127.0.0.1",
     port: options.Port = 8765,
     token: options.Token = None,
+    udp_to: options.UdpTo = Options.udp_to,
+    osc_to: options.OscTo = Options.osc_to,
+    mqtt: options.Mqtt = Options.mqtt,
+    ros_frame: options.RosFrame = Options.ros_frame,
     as_json: options.Json = False,
 ) -> None:  # fmt: skip
     """Watch a camera and predict what each hand is about to grasp, and with which grip.
@@ -108,7 +113,10 @@ def live(
     if poses != NOTHING:
         POSES.check(poses)
     pose_options = parse_options(option or [])
-    output_options = Options(host, port, token, hands=tuple(assisted or HANDS))
+    output_options = Options(
+        host, port, token, hands=tuple(assisted or HANDS), udp_to=udp_to, osc_to=osc_to, mqtt=mqtt,
+        ros_frame=ros_frame,
+    )  # fmt: skip
     outputs = {name: _output(name)(output_options) for name in out or []}
     if not headless:
         page_port = free_port(page_port, "--page-port")

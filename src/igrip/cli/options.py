@@ -62,6 +62,15 @@ Token = Annotated[
                  "the address."),
 ]  # fmt: skip
 
+UdpTo = Annotated[str, typer.Option(help="HOST:PORT that --out udp sends datagrams of JSON to.")]
+OscTo = Annotated[str, typer.Option(help="HOST:PORT that --out osc sends bundles to.")]
+Mqtt = Annotated[
+    str,
+    typer.Option(envvar="IGRIP_MQTT", help="Broker and prefix of --out mqtt: "
+                 "mqtt[s]://[USER:PASSWORD@]HOST[:PORT][/PREFIX]."),
+]  # fmt: skip
+RosFrame = Annotated[str, typer.Option(help="Frame of what --out ros2 sends.")]
+
 Up = Annotated[
     str | None, typer.Option(help="The source's axis that points up: z (default), y, -z, …")
 ]

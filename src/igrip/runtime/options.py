@@ -22,4 +22,8 @@ class Options:
     osc_port: int = 9000  # 0: any that is free
     hands: tuple[str, ...] = HANDS  # that have channels in a signal
     frame: DeclaredFrame = field(default_factory=DeclaredFrame)  # of what inputs receive
+    udp_to: str = "127.0.0.1:9870"
+    osc_to: str = "127.0.0.1:9001"
+    mqtt: str = "mqtt://127.0.0.1:1883/igrip"  # [mqtt|mqtts]://[user:password@]host[:port]/prefix
+    ros_frame: str = "world"  # the frame of poses that are sent
     shared: dict[str, Any] = field(default_factory=dict)  # such as one server of input and output
