@@ -44,9 +44,15 @@ def peer(*arguments):
     thread = threading.Thread(target=read, daemon=True)
     thread.start()
 
-    def hear(key):
+    def hear(key, wait=None):
+        """Return the next value of a key; None if it must not be waited for and is not there."""
         while True:
-            one = said.get(timeout=PATIENCE)
+            try:
+                one = said.get(timeout=wait or PATIENCE)
+            except queue.Empty:
+                if wait is None:
+                    raise
+                return None
             if key in one:
                 return one[key]
 

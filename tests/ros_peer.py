@@ -1,7 +1,8 @@
 """Another node of ROS 2, in a process of its own.
 
-``listen``: prints a line of JSON for each message and missed deadline of igrip's topics.
-``speak``: publishes a hand and an object, step by step, until its standard input ends.
+``listen SECONDS``: prints a line of JSON for each message of igrip's topics, and for each time
+that none came for so long. ``speak MODEL``: publishes a hand and an object. Both until their
+standard input ends.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def say(**what):
 
 
 def listen(node):
-    profile = QoSProfile(depth=20, deadline=Duration(seconds=0.5))
+    profile = QoSProfile(depth=20, deadline=Duration(seconds=float(sys.argv[2])))
     events = SubscriptionEventCallbacks(deadline=lambda event: say(missed=event.total_count))
     node.create_subscription(
         String, "/igrip/intentions", lambda m: say(intention=json.loads(m.data)), profile,
@@ -49,7 +50,7 @@ def listen(node):
 
 def speak(node):
     hand = node.create_publisher(PoseStamped, "/right_hand/pose", 5)
-    mug = node.create_publisher(TransformStamped, f"/{sys.argv[2]}", 5)
+    mug = node.create_publisher(TransformStamped, "/table/transforms", 5)
     step = 0
 
     def publish():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import igrip
@@ -22,19 +23,18 @@ PERMITTED = (0.0, 0.125, 0.0)  # s that are left when it is sent, below
 
 
 def envelopes():
-    """Yield the story, each sent 0.025 s after the message that led to it arrived."""
-    now = [0.0]
-    sequencer = Sequencer(lambda: now[0])
+    """Yield the story, each with a clock that stands 0.025 s after its message arrived."""
+    sequencer = Sequencer(lambda: 0.0)
     for intention in STORY:
-        now[0] = intention.t + 0.025
-        yield sequencer.wrap(intention, intention.t)
+        wrapped = sequencer.wrap(intention, intention.t)
+        yield replace(wrapped, now=lambda t=intention.t: t + 0.025)
 
 
 class FakeLoop:
     """What an output needs of a loop."""
 
-    def __init__(self):
+    def __init__(self, lease=0.15):
         self.session = "0123456789ab"
         self.announced, self.warnings = [], []
         self.announce, self.warn = self.announced.append, self.warnings.append
-        self.estimator = SimpleNamespace(config=igrip.Config())
+        self.estimator = SimpleNamespace(config=igrip.Config(commitment={"lease_duration": lease}))
