@@ -67,7 +67,8 @@ clean:  ## remove the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,ros,mcap,hands,poses,meshes,docs]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,ros,mcap,hands,poses,meshes,docs,devices]'
+	$(PIP) install --no-deps --constraint constraints.txt ability-hand nml-hand-exo
 	touch $@
 
 bench: $(READY)  ## measure the speed beside other engines; the picture of docs/benchmarks.md

@@ -26,6 +26,9 @@ COMMANDS = {
     "stream": "Receive observations from other programs and send them intentions, until Ctrl-C.",
     "view": "Look at a recording in the browser: play, pause, step, and go to any time.",
     "live": "Watch a camera and predict what each hand is about to grasp, and with which grip.",
+    "drive": "Let a device act on leases: dry by default, with --arm for real.",
+    "certify": "Measure latencies and times to stop on this machine, and judge them by your "
+    "limits.",
     "record": "Record colour, depth and intrinsics of cameras.",
     "calibrate": "Find where cameras stand from a board of AprilTags that lies still where all of "
     "them see it.",

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import closing, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, nullcontext, suppress
+from queue import SimpleQueue
 from typing import Annotated
 
 import typer
@@ -15,11 +16,14 @@ from rich.text import Text
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, number, output, print_json, table_of, until_interrupted
+from igrip.cli.device_option import device_process
 from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
 from igrip.cli.table import FoldingTable
 from igrip.config import Config
 from igrip.describe import describe
+from igrip.drive.process import DeviceProcess
+from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.lab.simulation.demo import DemoPerson, DemoTask, Moment
@@ -27,6 +31,8 @@ from igrip.lab.simulation.demo_score import DemoScore, StatusChanges
 from igrip.lab.simulation.faults import KINDS, Fault, inject
 from igrip.objects.catalog import Catalog, load_objects
 from igrip.observation import Observation
+from igrip.runtime.envelope import Sequencer
+from igrip.runtime.protocol import Command
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
 
@@ -49,6 +55,10 @@ def demo(
         typer.Option(help="A sensor fault: KIND@BEGIN+SECONDS or KIND:RATE[xSECONDS], such as "
                      f"freeze@3+0.5 or jump:0.2x0.1; repeatable. Kinds: {', '.join(KINDS)}."),
     ] = None,
+    device: options.Device = None,
+    device_config: options.DeviceConfig = None,
+    arm: options.Arm = False,
+    twin: options.Twin = False,
     as_json: options.Json = False,
 ) -> None:  # fmt: skip
     """Watch igrip predict what a simulated person reaches for, and with which grip.
@@ -58,7 +68,11 @@ def demo(
     Example: igrip demo --headless --duration 20 --seed 3
 
     Example: igrip demo --fault lose@2+0.4 --fault jump:0.3
+
+    Example: igrip demo --device serial --device-config serial.toml --twin --arm
     """
+    commands: SimpleQueue[Command] = SimpleQueue()
+    process = device_process(device, device_config, arm, twin, headless, commands.put)
     faults = [Fault.parse(text) for text in fault or []]
     config = setup.estimator_config(targets)
     if not headless:
@@ -77,12 +91,39 @@ def demo(
         moments = _with_faults(moments, faults, seed)
     score = DemoScore()
     events = StatusChanges() if faults and not as_json else None
-    with closing(viewer) if viewer is not None else nullcontext(), until_interrupted():
-        _run(_paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json, events)
+    with ExitStack() as stack:
+        act = None
+        if process is not None:
+            process.start()
+            stack.callback(process.close)
+            act = DemoDevice(process, commands).update
+        stack.enter_context(closing(viewer) if viewer is not None else nullcontext())
+        with until_interrupted():
+            _run(
+                _paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json,
+                events, act,
+            )  # fmt: skip
     if as_json:
         print_json(score.summary())
     else:
         output.print(score.sentence(), soft_wrap=True)
+
+
+class DemoDevice:
+    """Sends the intentions of the demo to a device, and applies what its user commands."""
+
+    def __init__(self, process: DeviceProcess, commands: SimpleQueue[Command]) -> None:
+        self._process, self._commands = process, commands
+        self._sequencer = Sequencer(time.monotonic)
+
+    def update(self, estimator: Estimator, intentions: list[Intention]) -> None:
+        """Send them; each permits as much as its lease has left at that moment."""
+        while not self._commands.empty():
+            with suppress(IgripError):  # the hand is not known yet
+                intentions = [*intentions, *self._commands.get().apply(estimator)]
+        with suppress(BrokenPipeError):  # the device's process has ended
+            for intention in intentions:
+                self._process.send(self._sequencer.wrap(intention, time.monotonic()))
 
 
 def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
@@ -135,6 +176,7 @@ def _run(
     score: DemoScore,
     quiet: bool,
     events: StatusChanges | None,
+    act: Callable[[Estimator, list[Intention]], None] | None = None,
 ) -> None:
     live = Live(console=output, refresh_per_second=15, transient=True)
     on_screen = output.is_terminal and not quiet
@@ -145,6 +187,8 @@ def _run(
                 task = moment.task
                 viewer.note("Task", _summary(task))
             intentions = estimator.update(moment.observation)
+            if act is not None:
+                act(estimator, intentions)
             line = score.update(moment, intentions)
             for event in events.update(intentions) if events else ():
                 output.print(event, soft_wrap=True)

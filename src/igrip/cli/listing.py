@@ -10,6 +10,7 @@ import typer
 from igrip.cli import options
 from igrip.cli.console import output, print_json, table_of
 from igrip.cues import CUES
+from igrip.devices import DEVICES
 from igrip.errors import UnknownNameError
 from igrip.grips import GRIPS
 from igrip.io.importers import IMPORTERS
@@ -42,6 +43,7 @@ FAMILIES = {
     "poses": Family(POSES.names, "live --poses"),
     "inputs": Family(INPUTS.names, "stream --in"),
     "outputs": Family(OUTPUTS.names, "stream --out, live --out"),
+    "devices": Family(DEVICES.names, "drive --device"),
     "recordings": Family(SOURCES.names, "endings of recordings, and ros2 folders"),
     "importers": Family(IMPORTERS.names, "import, recognised by what files hold"),
     "layouts": Family(LAYOUTS.names, "import, recognised by what files hold"),

@@ -15,6 +15,7 @@ from rich.live import Live
 from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, until_interrupted, warn
+from igrip.cli.device_option import device_process
 from igrip.cli.live_table import live_table, markdown_of
 from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
@@ -84,6 +85,10 @@ def live(
     reliability: options.Reliability = None,
     confirm: options.Confirm = False,
     person: options.Person = None,
+    device: options.Device = None,
+    device_config: options.DeviceConfig = None,
+    arm: options.Arm = False,
+    twin: options.Twin = False,
     seconds: Annotated[
         float | None, typer.Option(help="Default: until Ctrl-C, or the end of a recording.", min=0)
     ] = None,
@@ -118,6 +123,9 @@ def live(
         ros_frame=ros_frame,
     )  # fmt: skip
     outputs = {name: _output(name)(output_options) for name in out or []}
+    process = device_process(device, device_config, arm, twin, headless)
+    if process is not None:
+        outputs["device"] = process
     if not headless:
         page_port = free_port(page_port, "--page-port")
     if "ws" in outputs:

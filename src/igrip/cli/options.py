@@ -71,6 +71,19 @@ Mqtt = Annotated[
 ]  # fmt: skip
 RosFrame = Annotated[str, typer.Option(help="Frame of what --out ros2 sends.")]
 
+Device = Annotated[
+    str | None,
+    typer.Option(help="A device that acts on leases, in a process of its own: igrip drive, "
+                 "igrip list devices."),
+]  # fmt: skip
+DeviceConfig = Annotated[
+    Path | None, typer.Option(help="Configuration of the device: docs/devices.md.")
+]
+Arm = Annotated[
+    bool, typer.Option("--arm", help="Let the device act. Without this, it says what it would do.")
+]
+Twin = Annotated[bool, typer.Option("--twin", help="A virtual device, whatever the file names.")]
+
 Up = Annotated[
     str | None, typer.Option(help="The source's axis that points up: z (default), y, -z, …")
 ]

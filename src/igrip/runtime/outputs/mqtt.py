@@ -97,7 +97,7 @@ class MqttOutput:
                 self._lost += len(self._unsent)  # the client drops them with the connection
                 self._unsent.clear()
             return
-        properties = Properties(PacketTypes.PUBLISH)  # type: ignore[no-untyped-call]
+        properties = Properties(PacketTypes.PUBLISH)
         properties.MessageExpiryInterval = EXPIRY
         topic = f"{self._prefix}/{_topic(envelope.intention.hand) or 'hand'}/intention"
         info = self._client.publish(topic, envelope.to_json(), qos=0, properties=properties)

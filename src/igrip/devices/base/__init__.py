@@ -1,0 +1,1 @@
+"""What all devices share: the protocol, limits, settings, ramps, ports and the base of twins."""

@@ -1,0 +1,1 @@
+"""From intentions to a device: the receiver of leases, the supervisor, the user's say."""
