@@ -4,7 +4,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 READY := .venv/.ready
 
-# the near/far reaches of Wispinski et al. (2021): docs/importing.md says where they come from
+# the near/far reaches of Wispinski et al. (2021): docs/importing.md has their source
 REACHES ?= ../shared/data/wispinski2021
 # the folder that holds them and the hands at work, for training
 SHARED ?= ../shared/data
@@ -76,6 +76,7 @@ bench: $(READY)  ## measure the speed beside other engines; the picture of docs/
 
 pictures: $(READY)  ## draw the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py
+	$(BIN)/python docs/make_pages.py
 
 docs: $(READY)  ## build the documentation site into build/site; a warning is an error
 	NO_MKDOCS_2_WARNING=1 PYTHONPATH=docs $(BIN)/mkdocs build --strict --quiet

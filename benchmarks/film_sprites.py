@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 def cut_out(colour: NDArray[np.uint8], landmarks: Array) -> Sprite:
     """Cut a hand and a piece of its arm out of a picture.
 
-    The landmarks' outline, grown, says where skin surely and where it may be; GrabCut (Rother et
+    The landmarks' outline, grown, marks where skin surely and where it may be; GrabCut (Rother et
     al. 2004) decides between.
     """
     length = palm_length(landmarks)

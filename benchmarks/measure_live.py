@@ -72,7 +72,7 @@ def true_observations(film: FilmedReach, seed: int) -> Iterator[Observation]:
 
 
 def judge(catalog: Catalog, film: FilmedReach, messages: Iterator[Observation]) -> dict[str, Any]:
-    """Return whether the target is right in the longest run of answers, and how far palms are off.
+    """Return whether the target is right in the longest run of predictions, and palm errors.
 
     Success is the paper's: the object that was named without a break for longest, from the onset to
     the end of the movement.

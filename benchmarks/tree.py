@@ -47,7 +47,7 @@ def core(root: Path) -> set[str]:
     for contract in settings["tool"]["importlinter"]["contracts"]:
         if contract["type"] == "forbidden":
             return {module.removeprefix("igrip.") for module in contract["source_modules"]}
-    raise ValueError(f"{root}: pyproject.toml has no contract that says what the core is")
+    raise ValueError(f"{root}: pyproject.toml has no contract that defines the core")
 
 
 def table(root: Path) -> Table:

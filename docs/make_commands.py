@@ -22,7 +22,7 @@ RUNS = (
     ("simulate", "cohort --participants 1 --trials 6 --no-reach 0 --seed 1"),
     ("check", "cohort"),
     ("replay", "cohort --targets bayes --targets paper"),
-    ("evaluate", "cohort --out report"),
+    ("evaluate", "cohort --out report --targets paper --targets bayes"),
     ("import", "--inspect take1.csv --input-rate 100 --unit mm"),
     ("grips", ""),
 )

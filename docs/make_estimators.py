@@ -94,20 +94,20 @@ def make(reaches: Path, work: Path, quick: bool) -> Iterator[str]:
             _, paper = evaluate(data, work / "cylinder-report", *names)
             yield from grips(trials[trials["targets"] == "bayes"], paper)
     yield "\n## Calibration of `bayes`\n"
-    yield "| set | ECE | answers |\n| --- | --- | --- |"
+    yield "| set | ECE | predictions |\n| --- | --- | --- |"
     for name, (error, answers) in ece.items():
         yield f"| {name} | {error:.3f} | {answers} |"
     yield f"| pooled | {pooled(work):.3f} | {sum(n for _, n in ece.values())} |"
 
 
 def calibration(summary: dict[str, Any]) -> tuple[float, int]:
-    """Return the calibration error of bayes, and over how many answers."""
+    """Return the calibration error of bayes, and over how many predictions."""
     result = summary["targets"]["bayes"]["calibration"]
     return result["ece"], result["answers"]
 
 
 def pooled(work: Path) -> float:
-    """Return the calibration error over the answers of all sets together."""
+    """Return the calibration error over the predictions of all sets together."""
     sums = np.zeros((3, BINS))
     for name in ("near-far-0", "near-far-1", "healthy", "stroke", "sci"):
         path = work / f"{name}-report" / "summary.json"
@@ -199,7 +199,7 @@ def grips(contact: pd.DataFrame, paper: pd.DataFrame) -> Iterator[str]:
     gain = (found[0] - found[1]).dropna()
     rows = both["contact"].loc[gain.index]
     low, high = interval_over_groups(gain, rows["participant"])
-    yield f"\n`contact` has the grip for good {gain.mean():.3f} s [{low:.3f} to {high:.3f}] earlier than `cylinder`, mean over the trials in which both have it."
+    yield f"\n`contact` has its final grip {gain.mean():.3f} s [{low:.3f} to {high:.3f}] earlier than `cylinder`, mean over the trials in which both have it."
 
 
 def main() -> None:

@@ -7,17 +7,11 @@ import os
 import subprocess
 import sys
 import tempfile
-from itertools import islice
 from pathlib import Path
-
-from igrip import load_objects
-from igrip.io.recordings.jsonl import JsonlWriter
-from igrip.lab.simulation.demo import DemoPerson
 
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 PICTURES = DOCS / "pictures" / "gallery"
-WITHOUT_PICTURE = ("01_hello", "02_replay", "03_add_a_cue")
 
 
 def title_of(example: Path) -> str:
@@ -40,36 +34,24 @@ def run(example: Path, *arguments: object) -> str:
     return done.stdout.strip()
 
 
-def record_demo(path: Path) -> Path:
-    """Record 3 s of the demo for the example that replays a recording."""
-    with JsonlWriter(path) as file:
-        for moment in islice(DemoPerson(load_objects("ycb")), 90):
-            file.write(moment.observation)
-    return path
-
-
 def main() -> None:
     """Write pictures, outputs and the page."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     page = ["# Gallery", "", "Every example is a file of `examples/` that runs as it stands:",
             "`python examples/04_probability_over_time.py picture.png`.",
             "`make gallery` runs them all and draws the pictures.", ""]  # fmt: skip
-    with tempfile.TemporaryDirectory() as folder:
-        recording = record_demo(Path(folder) / "reach.jsonl")
-        for example in sorted(EXAMPLES.glob("*.py")):
-            picture = PICTURES / f"{example.stem}.png"
-            argument = recording if example.stem == "02_replay" else picture
-            printed = run(example, argument).replace(folder, "")
-            (DOCS / "output" / f"{example.stem}.txt").write_text(printed + "\n", encoding="utf-8")
-            summary = (ast.get_docstring(ast.parse(example.read_text())) or "").splitlines()[0]
-            page += [f"## {title_of(example)}", "", summary, ""]
-            if example.stem not in WITHOUT_PICTURE:
-                page += [f"![{title_of(example)}](pictures/gallery/{picture.name})", ""]
-            page += [f'??? example "examples/{example.name}"', "", "    ```python",
-                     f'    --8<-- "examples/{example.name}"', "    ```", "",
-                     "    It prints:", "", "    ```text",
-                     f'    --8<-- "docs/output/{example.stem}.txt"', "    ```", ""]  # fmt: skip
-            print(example.name, file=sys.stderr)
+    for example in sorted(EXAMPLES.glob("*.py")):
+        picture = PICTURES / f"{example.stem}.png"
+        printed = run(example, picture).replace(f"{tempfile.gettempdir()}/", "")
+        (DOCS / "output" / f"{example.stem}.txt").write_text(printed + "\n", encoding="utf-8")
+        summary = (ast.get_docstring(ast.parse(example.read_text())) or "").splitlines()[0]
+        page += [f"## {title_of(example)}", "", summary, "",
+                 f"![{title_of(example)}](pictures/gallery/{picture.name})", "",
+                 f'??? example "examples/{example.name}"', "", "    ``` { .python }",
+                 f'    --8<-- "examples/{example.name}"', "    ```", "",
+                 "    It prints:", "", "    ```text",
+                 f'    --8<-- "docs/output/{example.stem}.txt"', "    ```", ""]  # fmt: skip
+        print(example.name, file=sys.stderr)
     (DOCS / "gallery.md").write_text("\n".join(page), encoding="utf-8")
 
 

@@ -55,17 +55,23 @@ def clearest_moment(seed: int = 0) -> tuple[list[Snapshot], str]:
     return moments[:index], task_text
 
 
+def show_last(viewer: Viewer, moments: list[Snapshot]) -> None:
+    """Show moments as a recording that stands at its end."""
+    viewer.set_up(mode="recording")
+    viewer.publish("player", {"begin": moments[0].t, "end": moments[-1].t, "playing": False,
+                              "speed": 1.0, "repeat": False})  # fmt: skip
+    viewer.show_recording(moments)
+    viewer.show_moment(moments[-1])
+
+
 def photograph(page: Page, url: str, text: str, name: str) -> None:
-    """Wait until the scene is drawn, close the browser's remark on its GPU, take a screenshot."""
+    """Wait until all is drawn, and take a screenshot."""
     page.goto(url)
     page.get_by_text(text).first.wait_for()
-    page.wait_for_timeout(6000)  # software rendering
-    for close in page.get_by_role("button").all():
-        if close.is_visible() and not close.inner_text():
-            box = close.bounding_box()
-            if box and box["x"] < 400:
-                close.click()
-    page.wait_for_timeout(2500)
+    page.wait_for_function(
+        "() => igrip.settled() && !igrip.scene.camera.goal && igrip.scene.meshes.size"
+        " && [...igrip.scene.meshes.values()].every(Boolean)"
+    )
     page.screenshot(path=FOLDER / name)
 
 
@@ -102,11 +108,12 @@ def main() -> None:
     live_picture("live.png")
     FOLDER.mkdir(exist_ok=True)
     moments, task_text = clearest_moment()
-    viewer = Viewer(targets=Config().targets, choose_targets=lambda name: None)
+    viewer = Viewer(port=0, targets=Config().targets, choose_targets=lambda name: None)
     viewer.note("Task", task_text)
-    viewer.show_replay(moments, len(moments) - 1)
+    show_last(viewer, moments)
     catalog = load_objects("ycb")
-    zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_threshold)
+    zones = GripPage([catalog[name] for name in PAPER_OBJECTS], Config().grip.pinch_threshold,
+                     port=0)  # fmt: skip
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         page = browser.new_page(viewport={"width": 1600, "height": 900})

@@ -14,17 +14,30 @@ from latex2mathml.converter import convert
 from igrip import Observation
 
 DOCS = Path(__file__).parent
+IN_ROOT = ("CHANGELOG.md", "CONTRIBUTING.md")  # whose pages of the site have the name in lower case
 _SCHEMA = re.compile(r"^\{\{ schema (\w+) \}\}$", re.MULTILINE)
 _INLINE = re.compile(r"(?<![\w\\$])\$([^$\n]+)\$(?!\w)")
+_INCLUDED = re.compile(r'^--8<-- "(\w+\.md)"$', re.MULTILINE)
 _CODE = re.compile(r"(```.*?^```|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Fill in the tables of schemas, and set inline formulas."""
+    """Fill in whole files and the tables of schemas, and set inline formulas."""
+    markdown = _INCLUDED.sub(lambda found: included_file(found[1]), markdown)
+    for name in IN_ROOT:  # right on GitHub, and on the site
+        markdown = markdown.replace(f"](../{name}", f"]({name.lower()}")
     markdown = _SCHEMA.sub(lambda found: schema_table(found[1]), markdown)
     pieces = _CODE.split(markdown)
     pieces[::2] = [_INLINE.sub(lambda found: convert(found[1]), text) for text in pieces[::2]]
     return "".join(pieces)
+
+
+def included_file(name: str) -> str:
+    """Return a Markdown file of the root, with links to pages of the site."""
+    text = (DOCS.parent / name).read_text(encoding="utf-8").replace("](docs/", "](")
+    for other in IN_ROOT:
+        text = text.replace(f"]({other}", f"]({other.lower()}")
+    return text
 
 
 def format_math(source: str, *_: Any, **__: Any) -> str:
@@ -55,10 +68,10 @@ def schema_table(name: str) -> str:
 
 
 def _meanings(docstring: str) -> dict[str, str]:
-    """Return what the docstring of a message says of each field."""
+    """Return the description of each field in the docstring of a message."""
     return {
         name.strip(): " ".join(one.description.split())
-        for section in Docstring(inspect.cleandoc(docstring)).parse("numpy")
+        for section in Docstring(inspect.cleandoc(docstring)).parse("numpy", warnings=False)
         if section.kind in (DocstringSectionKind.parameters, DocstringSectionKind.attributes)
         for one in section.value
         for name in one.name.split(",")

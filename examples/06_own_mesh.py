@@ -15,7 +15,7 @@ handle = trimesh.creation.torus(major_radius=25, minor_radius=5)
 handle.apply_transform(trimesh.transformations.rotation_matrix(1.5708, [1, 0, 0]))
 handle.apply_translation([48, 0, 0])
 trimesh.util.concatenate([body, handle]).export(folder / "mug.stl")
-# its longest edge runs through the handle, so the file also says which axis is upright
+# its longest edge runs through the handle, so the file also declares which axis is upright
 (folder / "objects.toml").write_text('[mug]\nunit = "mm"\naxis = [0.0, 0.0, 1.0]\n')
 
 catalog = igrip.load_objects(folder)

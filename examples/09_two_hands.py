@@ -1,4 +1,4 @@
-"""Both hands reach at once, each for an object of its own; each has an intention of its own."""
+"""Both hands reach at once, each for a different object; each has its own intention."""
 
 import sys
 

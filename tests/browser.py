@@ -21,13 +21,13 @@ needs_chromium = pytest.mark.skipif(
 
 
 @contextmanager
-def open_page(url: str) -> Iterator[Any]:
+def open_page(url: str, width: int = 1280, height: int = 1000) -> Iterator[Any]:
     """Open an address in a browser of its own."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1100, "height": 1600})
+        page = browser.new_page(viewport={"width": width, "height": height})
         page.goto(url)
         yield page
         browser.close()

@@ -48,7 +48,7 @@ class Graded(NamedTuple):
     success : bool
         By the rule of a trial.
     accurate : (p,) bool
-        Whether the newest answer was right at parts of the movement.
+        Whether the newest prediction was right at parts of the movement.
     stated, right : lists
         From onset to end: the probability of the likelier grip, and whether that was right.
     """

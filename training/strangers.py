@@ -21,13 +21,14 @@ from igrip.targets.bayes import Bayes
 from igrip.targets.learned.network import Scorer
 from igrip.targets.learned.timing import default_timing
 from training.arms import simulate_arm
+from training.handovers import simulate_handovers
 from training.hands_at_work import hands_at_work
 from training.held_out import NAMES, held_out
 from training.moments import Frames, Recording, follow
 from training.sources import SEED
 from training.timing import contact_time
 
-PEOPLE = range(10_000, 10_020)  # of training/arms.py, none of whom was learned from
+PEOPLE = range(10_000, 10_020)  # of the generators, none of whom was learned from
 PARTS = (0.4, 0.6)  # of the movement
 WINDOW = 0.04  # of the movement, about each part
 
@@ -167,6 +168,8 @@ def main() -> None:
     arms = [r for k in PEOPLE for r in simulate_arm(SEED, k)]
     sets = {name: list(held_out(shared, name)) for name in NAMES}
     sets["arms"] = [r for r in arms if r.target and not r.absent and math.isfinite(r.end)]
+    met = [r for k in PEOPLE for r in simulate_handovers(SEED, k)]
+    sets["handovers"] = [r for r in met if r.kind == "handover"]
     answered = {name: [answer(r) for r in recordings] for name, recordings in sets.items()}
     default = CommitmentConfig()
     flat = default.model_copy(update={"strange_margin": 0.0})
@@ -189,9 +192,10 @@ def main() -> None:
             print(f"| {' | '.join(row)} |", flush=True)
     work = [answer(r) for r in hands_at_work(shared / "hands_at_work", SEED, learned=False)]
     idle = [answer(r) for r in arms if r.target is None]
+    carrying = [answer(r) for r in met if r.target is None]
     print("\n| without a reach | false commitments a minute | the same without margin |")
     print("| --- | --- | --- |")
-    for name, recordings in (("hands at work", work), ("arms", idle)):
+    for name, recordings in (("hands at work", work), ("arms", idle), ("carrying", carrying)):
         rates = [f"{false_commitments(recordings, config):.2f}" for config in (default, flat)]
         print(f"| {name} | {' | '.join(rates)} |", flush=True)
 

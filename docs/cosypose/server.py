@@ -1,7 +1,7 @@
 """A CosyPose server for igrip: run it in HappyPose's own Python (docs/cosypose.md).
 
 ``python server.py --port 8768``. It needs HappyPose, its YCB-Video weights and meshes, and nothing
-of igrip. One client at a time; a frame is answered before the next is read.
+of igrip. One client at a time; a reply is sent before the next frame is read.
 """
 
 import argparse
@@ -52,10 +52,10 @@ def estimator(threshold, workers):
 
 
 class Client(socketserver.StreamRequestHandler):
-    """Answers the frames of one client until it goes."""
+    """Replies to the frames of one client until it disconnects."""
 
     def handle(self):
-        """Read frames and write answers."""
+        """Read frames and write replies."""
         while True:
             length = self.rfile.read(4)
             if len(length) < 4:

@@ -1,4 +1,4 @@
-"""igrip: from where the hands are and where things are, to what each hand will grasp, and how."""
+"""igrip: predicts which object each moving hand will grasp, with which grip, and when."""
 
 from __future__ import annotations
 

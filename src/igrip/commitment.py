@@ -66,7 +66,7 @@ class Committer:
         self._since = math.nan  # of earning, then of the commitment
         self._valid_at = math.nan  # time of the newest message without a pause
         self._stop_position: Vector | None = None
-        self._lapsed = False  # the held object has lost its lease for good
+        self._lapsed = False  # the held object has lost its lease permanently
 
     @property
     def vetoed(self) -> bool:
@@ -156,7 +156,7 @@ class Committer:
     def _earn(self, evidence: Evidence) -> None:
         """Start or continue the dwell of a likely target, and commit to it after that.
 
-        A hand that carries an object is full: it earns nothing.
+        A hand that carries an object is occupied: it gets no commitment.
         """
         config, target = self._config, evidence.target
         full = any(

@@ -79,7 +79,7 @@ class _Announcer(event.Listener):  # type: ignore[misc]
         if not self.announced and function.__module__.startswith(__package__ + "."):
             self.announced = True
             log.info(
-                "compiling the kernels, once on this machine; it takes some seconds "
+                "compiling the kernels, once on this machine; it takes up to a minute "
                 "(igrip doctor --warm-up does it beforehand)"
             )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
@@ -52,7 +53,7 @@ class ObjectsError(IgripError, ValueError):
 
 
 class MeshUnitError(ObjectsError):
-    """A mesh is plainly not in metres and its unit was not declared."""
+    """A mesh is implausible in metres and its unit was not declared."""
 
 
 class UnknownModelError(IgripError, KeyError):
@@ -87,11 +88,33 @@ class CameraError(IgripError):
     """A camera is not there, cannot be opened or has stopped; the message says what to do."""
 
 
+def requirements_of(extra: str) -> list[str]:
+    """Return what an extra of the installed igrip requires, such as ``["viser>=1.0"]``."""
+    from importlib.metadata import PackageNotFoundError, requires  # only where one is missing
+
+    try:
+        lines = requires("igrip") or []
+    except PackageNotFoundError:  # a bare source tree
+        lines = []
+    pairs = (line.partition(";")[::2] for line in lines)
+    return [name.strip() for name, marker in pairs if re.search(f"['\"]{extra}['\"]", marker)]
+
+
+def install_command(extra: str) -> str:
+    """Return a command that installs what an extra requires.
+
+    It names the packages themselves: so it works wherever igrip was installed from.
+    """
+    packages = requirements_of(extra) or [f"igrip[{extra}]"]
+    return " ".join(["pip install", *(f"'{package}'" for package in packages)])
+
+
 class MissingExtraError(IgripError, ImportError):
     """An optional dependency is not installed; the message says how to get it."""
 
     def __init__(self, package: str, extra: str, purpose: str) -> None:
-        super().__init__(f"{purpose} needs the package {package!r}: pip install 'igrip[{extra}]'")
+        remedy = install_command(extra)
+        super().__init__(f"{purpose} needs the package {package!r} (extra {extra}): {remedy}")
         self.package, self.extra, self.purpose = package, extra, purpose
 
     def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str, str]]:
@@ -117,8 +140,8 @@ def requires_extra(
 
     Examples
     --------
-    >>> with requires_extra("viser", "viewer", "the scene in the browser"):
-    ...     import viser
+    >>> with requires_extra("websockets", "viewer", "the page in the browser"):
+    ...     import websockets
     """
     try:
         yield

@@ -137,12 +137,14 @@ class Estimator:
 
     def _command(self, hand: str | None, command: Callable[[Committer], None]) -> list[Intention]:
         if hand is not None and not self.config.commitment.assists(hand):
-            raise IgripError(f"hand {hand!r:.80} is not one that a device assists")
+            raise IgripError(f"hand {hand!r:.80} is not among the assisted hands")
         if hand is not None and hand not in self._committers:
             unknown = self._committers.keys() - self._tracker.hands.keys()
             is_followed = hand in self._tracker.hands
             if not is_followed and len(unknown) >= 4 * self.config.tracking.max_hands:
-                raise IgripError(f"hand {hand!r:.80} is not known, and there are too many")
+                raise IgripError(
+                    f"hand {hand!r:.80} is not known, and the number of hands has reached its limit"
+                )
             self._committers[hand] = Committer(self.config.commitment, self._person)
         intentions = []
         for id in [hand] if hand is not None else list(self._committers):

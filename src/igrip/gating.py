@@ -27,7 +27,7 @@ class GatingConfig(Settings):
         ge=0,
     )
     restart_after: float = quantity(
-        0.3, "s", "a stream that was rejected for this long starts anew", "guess", gt=0
+        0.3, "s", "a stream that was rejected for this long restarts", "guess", gt=0
     )
     max_hand_age: float = quantity(
         0.3, "s", "a hand that was not measured for this long is lost", "the authors' code", gt=0

@@ -28,7 +28,7 @@ def read_learned(path: Path, form: str) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         raise IgripError(f"{path}: cannot be read as learned numbers: {error}") from error
     if not isinstance(content, dict) or content.get("format") != form:
-        raise IgripError(f"{path}: is not of the format {form}; train it anew (make train)")
+        raise IgripError(f"{path}: is not of the format {form}; retrain it (make train)")
     return content
 
 

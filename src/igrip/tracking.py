@@ -139,7 +139,7 @@ class Tracker:
         for track in usable:
             if track.id not in self._placed and track.model is not None:
                 pose = track.place(track.model.centre)
-                self._placed[track.id] = PlacedObject(track.id, track.model, *pose)
+                self._placed[track.id] = PlacedObject(track.id, track.model, *pose, track.path)
         return [self._placed[track.id] for track in usable]
 
     def trusts(self, id: str) -> bool:

@@ -217,12 +217,12 @@ def visit(*arguments: object) -> str:
 
 
 def test_view_serves_a_trial_until_it_is_stopped(small_dataset: Dataset) -> None:
-    pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+    pytest.importorskip("websockets", reason="the extra 'viewer' is not installed")
     assert "<html" in visit("view", small_dataset.path, "--trial", 2, "--port", 8491)
 
 
 def test_grips_as_a_page() -> None:
-    pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+    pytest.importorskip("websockets", reason="the extra 'viewer' is not installed")
     assert "<html" in visit("grips", "--page", "--port", 8492)
 
 

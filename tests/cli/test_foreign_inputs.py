@@ -22,7 +22,7 @@ SEEN = [  # file, what is counted, where first, and the words for it; the target
     ("lost-told/nanleft.jsonl", "hands.left", "line 1", "not seen 64 times"),
     ("lost-told/nanscore.jsonl", "objects.mustard.score", "line 1", "left out 64 times"),
     ("lost-told/zeroquat.jsonl", "objects.box", "line 1", "not seen 64 times"),
-    ("times/step_ntp.jsonl", "t", "line 31", "steps back by 0.4 s for good"),
+    ("times/step_ntp.jsonl", "t", "line 31", "steps back by 0.4 s and stays there"),
     ("times/negative.jsonl", "t", "line 1", "is -0.5 s"),
     ("text/utf16.jsonl", "", "", ""),
     ("text/bom_once.jsonl", "", "", ""),

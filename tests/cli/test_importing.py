@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+import tomllib
 
 import numpy as np
 import pytest
+import trimesh
 from typer.testing import CliRunner
 
 import mocap_files
 import plain_tables as plain
 from datasets import write_small_dataset
 from igrip.cli.app import app
+from igrip.io.datasets.dataset import Dataset
 from mocap_files import Body, Scene
 
 runner = CliRunner()
@@ -128,3 +131,24 @@ def test_check_of_a_good_and_a_bad_dataset(tmp_path):
     found = json.loads(igrip("check", tmp_path / "d", "--json", code=1).stdout)
     assert (found["trials"], found["failed"]) == (2, 1)
     assert found["flaws"][0]["recording"] == "reach0"
+
+
+def test_a_mesh_in_millimetres_and_a_table_become_a_dataset_by_the_written_map(tmp_path):
+    """As in docs/meshes.md: the map needs only the target and the place of the object."""
+    meshes = tmp_path / "meshes"
+    meshes.mkdir()
+    trimesh.creation.cylinder(radius=40, height=95).export(meshes / "mug.stl")
+    (meshes / "objects.toml").write_text('[mug]\nunit = "mm"\n')
+    part = np.clip((np.arange(200) - 50) / 100, 0.0, 1.0)
+    part = 10 * part**3 - 15 * part**4 + 6 * part**5
+    rows = [f"{k},{200 - 150 * p:.1f},{350 * p:.1f},{50 + 40 * p:.1f}" for k, p in enumerate(part)]
+    take, found = tmp_path / "take1.csv", tmp_path / "map.toml"
+    take.write_text("\n".join(["frame,palm x,palm y,palm z", *rows]) + "\n")
+    igrip("import", "--inspect", take, "--unit", "mm", "--input-rate", 100, "--write-map", found)
+    text = found.read_text()
+    assert tomllib.loads(text)["rate"] == 100.0
+    text = text.replace('# target = "=mug"', 'target = "=mug"')
+    found.write_text(text + '\n[objects.mug]\nmodel = "mug"\nx = 50.0\ny = 400.0\nz = 47.5\n')
+    igrip("import", take, "--columns", found, "--objects", meshes, "--out", tmp_path / "ours")
+    (trial,) = Dataset.open(tmp_path / "ours").trials
+    assert (trial.hand, trial.target) == ("right", "mug")

@@ -340,7 +340,7 @@ def restored_interrupts():
          "igrip.lab.evaluation.runner.EstimatorRun.update",
          "what is done is kept in report; the same command goes on from there"),
         (["simulate", *ARGUMENTS["simulate"]], "igrip.lab.simulation.cohort.perform",
-         "an unfinished dataset is not kept; the same command begins anew"),
+         "an unfinished dataset is not kept; the same command starts again"),
         (["check", "small"], "igrip.cli.check.check_trial", "nothing was written"),
     ],
     ids=lambda a: a[0] if isinstance(a, list) else None,
@@ -374,7 +374,7 @@ def test_the_signal_itself_ends_a_command_in_one_line(tmp_path):
     assert output == ""
     lines = errors.splitlines()
     assert lines == [
-        "igrip: stopped; an unfinished dataset is not kept; the same command begins anew"
+        "igrip: stopped; an unfinished dataset is not kept; the same command starts again"
     ]
     assert list(tmp_path.iterdir()) == []
 

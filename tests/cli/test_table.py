@@ -142,6 +142,23 @@ def test_columns_that_do_not_fit_stand_below_the_first_one_again(width):
             assert sum(cell in re.split(r"[│\s]+", line) for line in lines) == 1
 
 
+@pytest.mark.parametrize("width", [60, 80])
+def test_both_columns_that_name_a_row_are_repeated_where_the_table_folds(width):
+    columns = ["targets", "group", *(f"column {k}" for k in range(9))]
+    rows = [["paper", group, *(f"{k}.5" for k in range(9))] for group in ("near", "far")]
+    file = io.StringIO()
+    Console(file=file, width=width).print(table_of(columns, rows, left=(1,), leading=2))
+    cells = [line.split("│")[1:-1] for line in file.getvalue().splitlines() if "│" in line]
+    parts = len(cells) // 2
+    assert parts > 1
+    assert [[cell.strip() for cell in line[:2]] for line in cells] == [
+        ["paper", "near"], ["paper", "far"],
+    ] * parts  # fmt: skip
+    assert sorted(cell.strip() for line in cells for cell in line[2:]) == sorted(
+        cell for row in rows for cell in row[2:]
+    )
+
+
 def test_long_text_is_wrapped_and_kept():
     name, text = "p01_t001_" + 60 * "x", "the recording holds no message of this hand " * 3
     file = io.StringIO()

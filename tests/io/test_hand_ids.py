@@ -7,10 +7,11 @@ from igrip.io.hand_ids import is_hand, match_hand, side_of
 RIGHT = [
     "right", "Right", "RIGHT", "R", "r", "right_hand", "Right Hand", "RightHand", "rightHand",
     "hand_right", "hand-R", "hand.right", "hand.R", "rh", "RWrist", "rWrist", "R_wrist",
-    "right-palm", "R_INDEX", "righthand2", "RFIN",
+    "right-palm", "R_INDEX", "righthand2", "RFIN", "Rechts", "Hand rechts",
+    "main droite", "mano derecha",
 ]  # fmt: skip
-NO_SIDE = ["mug", "hand", "bright", "brighter", "right_left", "left_right", "LR", "0", "mirror",
-           "hand_0", "bottle right", ""]  # fmt: skip
+NO_SIDE = ["mug", "main", "hand", "bright", "brighter", "right_left", "left_right", "LR", "0",
+           "mirror", "hand_0", "bottle right", ""]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", RIGHT)

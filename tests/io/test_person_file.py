@@ -27,10 +27,10 @@ def test_what_is_learned_is_kept(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "delete it to begin anew"),
-        ("{}", "delete it to begin anew"),
-        ('{"format": "igrip-person/1", "margin": NaN, "reaches": 1, "wrong": 0}', "begin anew"),
-        ('{"format": "igrip-person/1", "margin": 0, "reaches": 1, "wrong": 0, "x": 1}', "anew"),
+        ("", "delete it to start again"),
+        ("{}", "delete it to start again"),
+        ('{"format": "igrip-person/1", "margin": NaN, "reaches": 1, "wrong": 0}', "start again"),
+        ('{"format": "igrip-person/1", "margin": 0, "reaches": 1, "wrong": 0, "x": 1}', "again"),
         ('{"format": "igrip-scorer/2", "margin": 0, "reaches": 1, "wrong": 0}', "its format is"),
         ('{"format": "igrip-person/1", "margin": 0, "reaches": 1, "wrong": 2}', "2 wrong ones"),
     ],

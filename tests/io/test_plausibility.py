@@ -53,6 +53,50 @@ def test_a_scene_of_four_centimetres_or_four_metres_may_be_meant_so(unit, taken)
     assert check_samples(*scene(METRES[taken] / METRES[unit]), length_unit=taken) == []
 
 
+@pytest.mark.parametrize(("unit", "factor"), [("cm", 100.0), ("in", 1 / 0.0254)])
+@pytest.mark.parametrize("distance", [0.12, 0.18, 0.4])
+@pytest.mark.parametrize("rate", [30.0, 100.0, 240.0])
+@pytest.mark.parametrize("rest", [0.0, 1.0])
+def test_a_reach_in_small_units_is_refused_even_where_it_spans_few_metres(
+    unit, factor, distance, rate, rest
+):
+    times = np.arange(round((rest + 0.9) * rate)) / rate
+    done = np.clip((times - rest) / 0.9, 0.0, 1.0)
+    done = 10 * done**3 - 15 * done**4 + 6 * done**5
+    points = np.stack([distance * done, 0.3 * distance * done, 0.05 + 0.0 * done], axis=1)
+    points += np.random.default_rng(0).normal(0.0, 2e-4, points.shape)
+    hands, objects = {"right": Samples(times, factor * points)}, {}
+    text = refusal(check_samples(hands, objects))
+    assert text is not None
+    assert {"in": "inches"}.get(unit, unit) in text.split("positions in")[1]
+    assert refusal(check_samples({"right": Samples(times, points)}, objects)) is None
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_hand_that_jumps_or_a_person_who_walks_is_not_refused(seed):
+    random = np.random.default_rng(seed)
+    times = np.arange(300) / 100.0
+    walk = np.stack([2.0 * times, 0.3 * np.sin(6 * times), 1.0 + 0.0 * times], axis=1)
+    assert refusal(check_samples({"right": Samples(times, walk)}, {})) is None
+    swapped = np.where(random.random((300, 1)) < 0.3, [[6.0, 0.0, 1.0]], 0.05 * walk)
+    assert refusal(check_samples({"right": Samples(times, swapped)}, {})) is None
+
+
+@pytest.mark.parametrize("up", ["x", "y"])
+def test_a_scene_in_a_layer_is_remarked_though_its_objects_are_upright(up):
+    hands, objects = scene()
+    order = {"y": [0, 2, 1], "x": [2, 1, 0]}[up]
+    turned = {
+        id: Samples(s.times, s.positions[:, order] + 1e-4, s.orientations)
+        for id, s in objects.items()
+    }
+    far = np.tile(np.array([[-0.2, 0.05, 0.1]])[:, [0, 1, 2]], (60, 1))
+    turned["far"] = Samples(TIMES, far[:, order] + [0.0, 0.0, 0.0], UPRIGHT)
+    moved = {"right": Samples(TIMES, hands["right"].positions[:, order])}
+    texts = [f.text for f in check_samples(moved, turned) if f.kind == "up"]
+    assert any(f'up = "{up}"' in text for text in texts)
+
+
 @pytest.mark.parametrize("rate", [15.0, 30.0, 60.0, 100.0, 120.0, 240.0])
 @pytest.mark.parametrize("unit", ["ms", "us", "ns"])
 def test_a_wrong_unit_of_time_is_refused_with_the_one_that_fits(rate, unit):
@@ -67,7 +111,7 @@ def test_usual_rates_pass(rate):
 
 
 def test_a_second_between_samples_is_remarked():
-    (finding,) = check_times(np.arange(30.0))
+    (finding,) = check_times(1.1 * np.arange(30.0))
     assert finding.verdict == "remark"
 
 
@@ -146,3 +190,32 @@ def test_a_sender_that_repeats_itself_and_speeds_of_no_hand_are_remarked():
     assert check_samples({"right": rests}, {}) == []
     fast = Samples(TIMES / 1000.0, REACH)
     assert "speed" in [f.kind for f in check_samples({"right": fast}, {})]
+
+
+def reach_in(unit: float, seconds: float = 2.0):
+    """Return a hand that reaches over 0.4 m within the middle second, in a unit [m]."""
+    times = np.arange(round(100 * seconds)) / 100
+    done = np.clip(times - 0.5, 0.0, 1.0)
+    done = 10 * done**3 - 15 * done**4 + 6 * done**5
+    return Samples(times, np.column_stack([0.4 * done, 0.1 * done, 0.05 + 0.0 * done]) / unit)
+
+
+@pytest.mark.parametrize(("unit", "name", "verdict"), [(0.0254, "in", "refuse"),
+                                                       (0.1, "dm", "remark")])  # fmt: skip
+def test_a_hand_that_is_too_fast_over_too_long_a_way(unit, name, verdict):
+    [found] = check_samples({"right": reach_in(unit)}, {})
+    assert (found.verdict, found.fix) == (verdict, ("length_unit", name))
+    assert check_samples({"right": reach_in(1.0)}, {}) == []
+
+
+def test_a_person_who_walks_is_plausible():
+    times = np.arange(1000) / 100
+    walk = np.column_stack([1.5 * times, 0.1 * np.sin(times), 1.0 + 0.0 * times])
+    assert check_samples({"right": Samples(times, walk)}, {}) == []
+
+
+@pytest.mark.parametrize("begin", [0, 1, 5000])
+def test_frame_numbers_are_no_times(begin):
+    [found] = check_times(np.arange(begin, begin + 200.0))
+    assert found.verdict == "refuse"
+    assert "ms or frame numbers" in found.text

@@ -59,7 +59,8 @@ def test_damage_costs_a_part_or_is_an_error_that_names_the_file(tmp_path, count)
         else:
             assert times == sorted(times)
             kept += len(times)
-            assert len(times) == 60 or len(reader.defects) or reader.cut
+            # what was doubled may be a message like any other
+            assert len(times) >= 60 or len(reader.defects) or reader.cut
     assert kept > 20 * count
 
 

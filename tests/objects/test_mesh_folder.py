@@ -157,7 +157,7 @@ def test_a_ground_plane_is_left_out_and_remarked(tmp_path, caplog, ending):
         assert "ground plane" in caplog.text
 
 
-def test_two_bodies_of_one_thing_stay(tmp_path, caplog):
+def test_two_bodies_of_one_object_stay(tmp_path, caplog):
     lid = trimesh.creation.box((0.2, 0.2, 0.003))
     lid.apply_translation((0, 0, 0.2))
     trimesh.Scene([trimesh.creation.box((0.19, 0.19, 0.1)), lid]).to_mesh().export(
@@ -171,7 +171,7 @@ def test_the_package_that_is_missing_is_named(tmp_path, monkeypatch):
     (tmp_path / "cup.dae").write_text("<COLLADA/>")
     readable = set(trimesh.available_formats()) - {"dae", "3mf"}
     monkeypatch.setattr(mesh_folder.trimesh, "available_formats", lambda: readable)
-    with pytest.raises(ObjectsError, match=r"\.dae needs pycollada: pip install 'igrip\[meshes\]'"):
+    with pytest.raises(ObjectsError, match=r"\.dae needs pycollada: pip install .*'pycollada>="):
         load_objects(tmp_path)
 
 
@@ -185,3 +185,28 @@ def test_a_table_with_a_byte_order_mark(tmp_path):
     box(tmp_path / "cup.stl", 1000.0)
     (tmp_path / "objects.toml").write_bytes(b'\xef\xbb\xbf[cup]\nunit = "mm"')
     assert load_objects(tmp_path)["cup"].length == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("ending", ["obj", "stl", "glb", "ply"])
+def test_a_body_far_from_the_rest_is_remarked(tmp_path, caplog, ending):
+    body = trimesh.creation.box(SIZE)
+    near = trimesh.creation.icosphere(radius=0.004).apply_translation((0.05, 0.0, 0.0))
+    far = trimesh.creation.icosphere(radius=0.004).apply_translation((0.4, 0.0, 0.0))
+    for name, bodies, said in (("whole", [body, near], False), ("stray", [body, far], True)):
+        folder = tmp_path / name
+        folder.mkdir()
+        trimesh.util.concatenate(bodies).export(folder / f"mug.{ending}")
+        caplog.clear()
+        load_objects(folder)
+        assert ("1 of its 2 bodies lie apart" in caplog.text) is said
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_texts_beside_meshes_in_any_encoding(tmp_path, encoding):
+    box(tmp_path / "mug.stl", 1000.0)
+    (tmp_path / "objects.toml").write_bytes('[mug]\nunit = "mm"\n'.encode(encoding))
+    box(tmp_path / "bop" / "obj_000001.ply", 1000.0)
+    info = json.dumps({"1": {"diameter": 220.0}})
+    (tmp_path / "bop" / "models_info.json").write_bytes(info.encode(encoding))
+    assert load_objects(tmp_path)["mug"].length == pytest.approx(0.2)
+    assert load_objects(tmp_path / "bop")["obj_000001"].length == pytest.approx(0.2)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from igrip.runtime.clock_offset import ClockOffset
 
 STEPS = (0.05, 0.1, 0.25, 0.4, 0.5, 0.7, 0.9, 1.0, 2.5, 60.0, 3600.0, 3 * 86400.0)
-RATES = (15, 20, 30, 60, 100, 120, 240)
+RATES = (10, 15, 20, 30, 60, 100, 120, 240)
 WAY = 0.01  # s that every message takes at least
 STEPPED_AT, END = 4.0, 8.0  # s
 MAX_RELOCK = 2.0  # s
@@ -27,11 +27,13 @@ class Seen(NamedTuple):
 
 
 def simulate(step=0.0, rate=30, jitter=0.0, loss=0.0, drift=0.0, seed=0, late=lambda t: 0.0,
-             end=END):  # fmt: skip
+             end=END, uneven=0.0):  # fmt: skip
     """Return the model, and what it makes of messages of a clock that steps."""
     random = np.random.default_rng(seed)
     model, seen, arrived = ClockOffset("cam"), [], 0.0
-    for t in np.arange(0.0, end, 1.0 / rate).tolist():
+    measured = np.arange(0.0, end, 1.0 / rate)
+    measured += uneven / rate * random.uniform(-1.0, 1.0, len(measured)) if uneven else 0.0
+    for t in measured.tolist():
         if random.random() < loss:
             continue
         sent = 1000.0 + t * (1.0 + drift) + (step if t >= STEPPED_AT else 0.0)
@@ -67,9 +69,25 @@ def test_every_step_is_followed_within_two_seconds(rate, jitter, loss):
             assert f"stepped {'ahead' if sign > 0 else 'back'}" in model.event
 
 
+@pytest.mark.parametrize("step", [0.07, -0.05, 0.4, -0.4, 1e6, -1e6])
+def test_a_fast_sender_is_followed(step):
+    model, seen = simulate(step, 1000, 0.01, 0.2, seed=1, end=6.5)
+    check(seen, 0.01, 0.2, 1000, step)
+    assert model.counts["steps"] == 1
+
+
+@pytest.mark.parametrize("rate", [10, 15])
+@pytest.mark.parametrize("periods", [1, 2, 3, 10])
+def test_an_uneven_sender_that_steps_by_whole_periods_is_followed(rate, periods):
+    for seed in range(30):
+        model, seen = simulate(-periods / rate, rate, 0.005, uneven=0.15, seed=seed)
+        check(seen, 0.005, 0.0, rate, -periods / rate)
+        assert model.counts["steps"] == 1
+
+
 @settings(max_examples=80, deadline=None)
 @given(
-    st.floats(0.05, 1e6), st.sampled_from([-1.0, 1.0]), st.floats(15.0, 240.0),
+    st.floats(0.05, 1e6), st.sampled_from([-1.0, 1.0]), st.floats(10.0, 240.0),
     st.floats(0.0, 0.08), st.floats(0.0, 0.2), st.floats(-2e-4, 2e-4), st.integers(0, 2**32 - 1),
 )  # fmt: skip
 def test_any_step_is_followed(step, sign, rate, jitter, loss, drift, seed):

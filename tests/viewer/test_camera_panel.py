@@ -15,7 +15,7 @@ from igrip.viewer.camera_panel import CameraPanel
 from igrip.viewer.overlay import CameraView
 from igrip.viewer.server import Viewer
 
-pytest.importorskip("viser", reason="the extra 'viewer' is not installed")
+pytest.importorskip("websockets", reason="the extra 'viewer' is not installed")
 
 
 def views(value):
@@ -26,8 +26,8 @@ def views(value):
 
 @pytest.fixture
 def panel():
-    viewer = Viewer(port=8533)
-    panel = CameraPanel(viewer.server)
+    viewer = Viewer(port=0)
+    panel = CameraPanel(viewer)
     panel.url = viewer.url
     yield panel
     panel.close()
@@ -38,7 +38,7 @@ def test_show_never_waits(panel, monkeypatch):
     """While a picture is drawn, newer ones replace each other; the newest is drawn next."""
     drawing, go_on, drawn = threading.Event(), threading.Event(), []
 
-    def draw(view):
+    def draw(view, width, looks):
         drawn.append(int(view.frame.colour[0, 0, 0]))
         drawing.set()
         assert go_on.wait(60)
@@ -58,11 +58,27 @@ def test_show_never_waits(panel, monkeypatch):
 
 @pytest.mark.browser
 @needs_chromium
-def test_it_stands_beside_the_scene(panel):
+def test_it_stands_large_beside_the_scene_at_1080p(panel):
     panel.show(views(100))
-    panel.set_table("| stage |\n| --- |\n| desk: hands |")
-    with open_page(panel.url) as page:
-        page.get_by_text("desk: hands").first.wait_for(timeout=60_000)
-        page.locator("img[src^='blob:'], img[src^='data:image/jpeg']").first.wait_for(
-            timeout=60_000
-        )
+    panel.set_table(["stage"], [["desk: hands"]])
+    with open_page(panel.url, 1920, 1080) as page:
+        page.locator("#cameras img").wait_for(timeout=60_000)
+        page.wait_for_function("document.querySelector('#cameras img').naturalWidth > 0")
+        assert page.locator("#stages td, #stages th").last.text_content() == "desk: hands"
+        picture, scene = (page.locator(name).bounding_box() for name in ("#cameras", "#scene"))
+        assert picture["width"] > 700
+        assert scene["width"] > 500
+        assert picture["x"] + picture["width"] <= scene["x"]  # beside each other
+        assert scene["y"] < picture["y"] + picture["height"]
+        assert max(picture["y"] + picture["height"], scene["y"] + scene["height"]) <= 1080
+        colour = page.evaluate(MIDDLE)
+        assert all(abs(value - 100) < 6 for value in colour)  # the picture, not another
+
+
+MIDDLE = """() => {
+  const image = document.querySelector('#cameras img')
+  const canvas = document.createElement('canvas')
+  Object.assign(canvas, { width: 1, height: 1 })
+  canvas.getContext('2d').drawImage(image, 0, 0, 1, 1)
+  return [...canvas.getContext('2d').getImageData(0, 0, 1, 1).data].slice(0, 3)
+}"""

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from igrip.intention import Intention
 from igrip.rgbd import Intrinsics, RgbdFrame
-from igrip.viewer.overlay import OUTLINE, TARGET, CameraView, draw_overlay, outline_of
+from igrip.viewer.overlay import Box, CameraView, draw_overlay, outline_of, place_boxes
+from igrip.viewer.palette import INK, colour_of, rgb
 from support import BOX, placed
 
 SIZE = (640, 480)
@@ -22,10 +27,6 @@ def frame(world_from_camera=None):
 
 def box(shapes, at, id="thing"):
     return placed(shapes[BOX], id, np.eye(3), np.asarray(at, float))
-
-
-def has(picture, colour, near=30):
-    return (np.abs(picture.astype(int) - colour).sum(axis=2) < near).any()
 
 
 def test_an_outline_is_the_projection_of_the_corners(shapes):
@@ -51,18 +52,38 @@ def test_the_camera_may_stand_anywhere(shapes):
     assert there == pytest.approx(here)
 
 
-def test_the_target_of_a_reach_is_drawn_in_its_own_colour(shapes):
+def pixels(picture, colour, near=30):
+    return int((np.abs(picture.astype(int) - rgb(colour)).sum(axis=2) < near).sum())
+
+
+def reaching(none):
+    return Intention(
+        t=0.0, hand="right", status="reaching", target="thing", grip="palmar",
+        probability={"thing": 1.0 - none, "none": none},
+    )  # fmt: skip
+
+
+def test_a_target_has_a_dark_outline_around_its_own_colour(shapes):
     thing = box(shapes, (0.0, 0.0, 1.0))
-    said = Intention(t=0.0, hand="right", status="reaching", target="thing", grip="palmar")
-    landmarks = {"right": np.random.default_rng(0).uniform(100, 300, (21, 2))}
     plain = draw_overlay(CameraView(frame(), {}, [thing], []))
     assert plain.shape == (480, 640, 3)
-    assert has(plain, OUTLINE)
-    assert not has(plain, TARGET)
-    chosen = draw_overlay(CameraView(frame(), landmarks, [thing], [said]))
-    assert has(chosen, TARGET)
+    assert pixels(plain, colour_of(0)) > 100
+    words = pixels(plain, INK)  # its name
+    assert words < 300
+    chosen = draw_overlay(CameraView(frame(), {}, [thing], [reaching(none=0.1)]))
+    assert pixels(chosen, colour_of(0)) > 100
+    assert pixels(chosen, INK) > words + 300
+    undecided = draw_overlay(CameraView(frame(), {}, [thing], [reaching(none=0.9)]))
+    assert pixels(undecided, INK) == words
     idle = Intention(t=0.0, hand="right", status="idle", target="thing", grip="palmar")
-    assert not has(draw_overlay(CameraView(frame(), {}, [thing], [idle])), TARGET)
+    assert pixels(draw_overlay(CameraView(frame(), {}, [thing], [idle])), INK) == words
+
+
+def test_an_object_has_the_colour_of_its_number(shapes):
+    thing = box(shapes, (0.0, 0.0, 1.0))
+    third = draw_overlay(CameraView(frame(), {}, [thing], []), looks={"thing": 2})
+    assert pixels(third, colour_of(2)) > 100
+    assert pixels(third, colour_of(0)) == 0
 
 
 def test_words_stay_within_the_picture_whatever_they_are(shapes):
@@ -74,3 +95,38 @@ def test_words_stay_within_the_picture_whatever_they_are(shapes):
         320,
         3,
     )
+
+
+def box_from(left, top, wide, high):
+    return Box(left, top, left + wide, top + high)
+
+
+BOXES = st.lists(
+    st.builds(box_from, st.integers(-99, 699), st.integers(-99, 499), st.integers(1, 600),
+              st.integers(10, 30)), max_size=7,
+)  # fmt: skip
+
+
+@given(BOXES)
+def test_labels_are_in_the_picture_and_cover_no_other(boxes):
+    """Seven lines of 30 pixels always find room in 480."""
+    placed = place_boxes(boxes, *SIZE)
+    picture = np.zeros((SIZE[1], SIZE[0]), int)
+    for before, after in zip(boxes, placed, strict=True):
+        assert after.right - after.left == before.right - before.left
+        assert after.bottom - after.top == before.bottom - before.top
+        assert min(after) >= 0
+        picture[after.top : after.bottom, after.left : after.right] += 1
+    assert picture.sum() == sum((b.right - b.left) * (b.bottom - b.top) for b in boxes)
+    assert picture.max(initial=0) <= 1
+
+
+def test_labels_without_room_stay_in_the_picture():
+    boxes = [box_from(0, 0, 100, 60), box_from(0, 0, 100, 60)]
+    assert place_boxes(boxes, 100, 100) == [Box(0, 0, 100, 60), Box(0, 0, 100, 60)]
+
+
+def test_labels_with_room_stay_where_they_are():
+    boxes = [box_from(10 * k, 40 * k, 300, 30) for k in range(7)]
+    assert place_boxes(boxes, *SIZE) == boxes
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))

@@ -37,7 +37,7 @@ def heap_mb(page):
 @pytest.mark.timeout(60 * MINUTES + 300)
 @needs_chromium
 def test_memory_with_the_page_open(ycb):
-    estimator, viewer = Estimator(ycb), Viewer(port=8479, targets="repaired")
+    estimator, viewer = Estimator(ycb), Viewer(port=0, targets="repaired")
     sizes, frames, late = [], 0, 0
     try:
         with open_page(viewer.url) as page:

@@ -18,7 +18,7 @@ from igrip.version import __version__
 # the first line of each docstring; a test keeps the two equal
 COMMANDS = {
     "demo": "Watch igrip predict what a simulated person reaches for, and with which grip.",
-    "replay": "Run estimators over recordings and summarise the answers.",
+    "replay": "Run estimators over recordings and summarise their predictions.",
     "evaluate": "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, "
     "figures.",
     "tune": "Tune commitments to one person, from 8 to 50 of their trials, or to a cohort.",
@@ -56,7 +56,7 @@ def target_of(name: str) -> tuple[str, str]:
 
 
 class RenamingCommand(TyperCommand):
-    """A command that answers an option of earlier versions with its new name."""
+    """A command that refuses an option of earlier versions and names the new one."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments, unless one has an old name."""
@@ -112,7 +112,7 @@ class LazyGroup(TyperGroup):
 app = typer.Typer(
     name="igrip",
     cls=LazyGroup,
-    help="From where the hands are and where things are, to what each hand will grasp, and how.",
+    help="Predict which object each moving hand will grasp, with which grip, and when.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -9,6 +9,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import errors, number, output, print_json, table_of, warn
+from igrip.errors import install_command
 from igrip.lab.speed import measure
 from igrip.lab.speed.peers import TRIMESH, Recorded
 from igrip.objects.catalog import load_objects
@@ -39,7 +40,7 @@ def bench(
     """Measure the speed of the estimator on this machine.
 
     Times of `update` in a row and at a real 30 Hz, with 4 and with 100 objects. Beside it, where
-    they are installed (pip install 'igrip[bench]'), the same rays by embreex and by trimesh
+    they are installed (extra bench), the same rays by embreex and by trimesh
     without embree: ratios of medians, taken by turns in one run. More engines, growth and the
     picture: `python -m benchmarks` in a checkout.
 
@@ -90,7 +91,7 @@ def print_report(report: dict[str, Any]) -> None:
         of_runs = ", ".join(f"{r:.2f}" for r in peers["ratios_of_runs"].get(name, []))
         output.print(f"{name}: {ratio:.2f}" + (f" (runs: {of_runs})" if of_runs else ""))
     for problem in peers["missing"]:
-        warn(f"left out: {problem} (pip install 'igrip[bench]')")
+        warn(f"left out: {problem} ({install_command('bench')})")
     for quantity, cases in report["growth"].items():
         columns = (quantity, "p50 ms", "p99 ms", "rays", "nodes, rays", "nodes, points")
         counts = ("rays", "ray_nodes", "point_nodes")

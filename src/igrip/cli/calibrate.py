@@ -46,7 +46,7 @@ def calibrate(
     columns: Annotated[int, typer.Option(help="Tags in a row.", min=1, max=20)] = Board().columns,
     rows: Annotated[int, typer.Option(help="Rows.", min=1, max=20)] = Board().rows,
     seconds: Annotated[
-        float | None, typer.Option(help="At most so long. Default: 5, for a lens 60.", min=0.1)
+        float | None, typer.Option(help="Maximum duration [s]. Default: 5, for a lens 60.", min=0.1)
     ] = None,
 ) -> None:  # fmt: skip
     """Find where cameras stand from a board of AprilTags that lies still where all of them see it.

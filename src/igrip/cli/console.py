@@ -23,7 +23,7 @@ class PipeConsole(Console):
         raise
 
 
-NOT_KEPT = "an unfinished dataset is not kept; the same command begins anew"
+NOT_KEPT = "an unfinished dataset is not kept; the same command starts again"
 
 # no markup: names and paths from outside may hold brackets
 output = PipeConsole(markup=False, highlight=False)
@@ -47,12 +47,15 @@ def inform(text: str) -> None:
 
 def table_of(
     columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str = "", caption: str = "",
-    left: Collection[int] = (),
+    left: Collection[int] = (), leading: int = 1,
 ) -> FoldingTable:  # fmt: skip
-    """Return a table that folds; the first column and those named stand on the left."""
+    """Return a table that folds; the first column and those named stand on the left.
+
+    The ``leading`` columns name a row, and are repeated wherever the table folds.
+    """
     from igrip.cli.table import FoldingTable
 
-    return FoldingTable(columns, rows, title, caption, left)
+    return FoldingTable(columns, rows, title, caption, left, leading)
 
 
 def number(value: float | None, form: str = ".2f", unit: str = "") -> str:
@@ -93,7 +96,7 @@ def until_interrupted(kept: Callable[[], str] | str = "") -> Iterator[None]:
 
 @contextmanager
 def interruptible(kept: Callable[[], str] | str) -> Iterator[None]:
-    """At Ctrl-C within the work, have the command's last line say what is kept and what next."""
+    """At Ctrl-C within the work, end the command with a line on what is kept and how to go on."""
     try:
         yield
     except KeyboardInterrupt as interrupt:

@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, nullcontext, suppress
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Annotated
 
 import typer
@@ -71,7 +71,7 @@ def demo(
 
     Example: igrip demo --device serial --device-config serial.toml --twin --arm
     """
-    commands: SimpleQueue[Command] = SimpleQueue()
+    commands: SimpleQueue[Command] = SimpleQueue()  # from the page and from the device's user
     process = device_process(device, device_config, arm, twin, headless, commands.put)
     faults = [Fault.parse(text) for text in fault or []]
     config = setup.estimator_config(targets)
@@ -81,9 +81,9 @@ def demo(
         catalog = load_objects("ycb")
         setup.warm_up(config, catalog)
     choices = [config.targets]  # the page appends another estimator's name
-    viewer = (
-        None if headless else open_page(port, targets=config.targets, choose_targets=choices.append)
-    )
+    viewer = None if headless else open_page(
+        port, targets=config.targets, choose_targets=choices.append, on_command=commands.put
+    )  # fmt: skip
     endless = viewer is not None and sys.stdout.isatty() and duration is None and not as_json
     person = DemoPerson(catalog, seed)
     moments = iter(person) if endless else _limited(person, duration)
@@ -100,8 +100,8 @@ def demo(
         stack.enter_context(closing(viewer) if viewer is not None else nullcontext())
         with until_interrupted():
             _run(
-                _paced(moments, speed), _estimators(catalog, choices), viewer, score, as_json,
-                events, act,
+                _paced(moments, speed), _estimators(catalog, choices, commands), viewer, score,
+                as_json, events, act,
             )  # fmt: skip
     if as_json:
         print_json(score.summary())
@@ -126,13 +126,20 @@ class DemoDevice:
                 self._process.send(self._sequencer.wrap(intention, time.monotonic()))
 
 
-def _estimators(catalog: Catalog, choices: list[str]) -> Iterator[Estimator]:
-    """Yield the estimator for each message; a new one after another was chosen."""
+def _estimators(
+    catalog: Catalog, choices: list[str], commands: SimpleQueue[Command]
+) -> Iterator[Estimator]:
+    """Yield the estimator for each message, after commands; a new one after another was chosen."""
     name = None
     while True:
         if choices[-1] != name:
             name = choices[-1]
             estimator = Estimator(catalog, Config(targets=name))
+        with suppress(Empty):
+            while True:
+                command = commands.get_nowait()
+                with suppress(IgripError):  # of a hand that is unknown by now
+                    command.apply(estimator)
         yield estimator
 
 

@@ -21,7 +21,7 @@ from igrip.cli.console import output, print_json
 from igrip.cli.estimator_setup import warm_up
 from igrip.compiled import cache_directory, kernel_cache_directory
 from igrip.config import Config
-from igrip.errors import MissingExtraError
+from igrip.errors import MissingExtraError, install_command
 from igrip.grips import GRIPS
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.targets import TARGETS
@@ -146,11 +146,11 @@ def _print(report: dict[str, Any]) -> None:
     for name in ("igrip", "python", "platform", "processors", "cache"):
         table.add_row("", name, str(report[name]))
     for package, installed in report["core"].items():
-        status = installed or "missing: pip install igrip"
+        status = installed or f"missing: pip install '{package}'"
         table.add_row(_mark(installed is not None), package, status)
     for extra, packages in report["extras"].items():
         for package, installed in packages.items():
-            status = installed or f"not installed: pip install 'igrip[{extra}]'"
+            status = installed or f"not installed: {install_command(extra)}"
             table.add_row(_mark(installed is not None, "-"), f"{package} ({extra})", status)
     for name, check in report["checks"].items():
         table.add_row(_mark(check["ok"]), name, check["detail"])

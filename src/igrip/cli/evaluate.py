@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -95,7 +97,7 @@ def evaluate(
     summary = summarise(frame, opened.name, names)
     summary["without_trials"] = opened.participants_without_trials()
     with errors.status("writing the report …"):
-        write_report(out, opened, evaluation.catalog, configs, frame, summary, trial)
+        write_report(out, opened, evaluation.catalog, configs, frame, summary, trial, _typed())
     if trial in {row["recording"] for row in summary["excluded"]}:
         warn(f"{trial} was excluded, so its time courses are not drawn")
     _print(summary, out, as_json)
@@ -105,6 +107,11 @@ def evaluate(
         warn(f"no trial could be scored; next: igrip check {dataset}")
     if nothing or (strict and excluded):
         raise typer.Exit(1)
+
+
+def _typed() -> str:
+    """Return the command as it was typed."""
+    return shlex.join(["igrip", *sys.argv[1:]])
 
 
 def _order(name: str) -> tuple[int, str]:
@@ -124,7 +131,7 @@ def _commitments(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[An
         for name, first in firsts.items() if first
     ]  # fmt: skip
     reliability = next((one["reliability"] for one in firsts.values() if one), None)
-    columns = ("targets", "committed", "right", "mean part", "false a minute")
+    columns = ("estimator", "committed", "right", "mean part", "false a minute")
     return f"First commitments, all trials, reliability {reliability}", columns, rows
 
 
@@ -141,7 +148,8 @@ def _times(summary: dict[str, Any]) -> tuple[str, tuple[str, ...], list[Any]]:
         for name, scores in summary["targets"].items()
         for event, parts in scores["times"]["all"].items() if parts
     ]  # fmt: skip
-    columns = ("targets", "", *(text for part in PARTS for text in (f"at {part:.0%}", "held")))
+    errors = (text for part in PARTS for text in (f"at {part:.0%}", "held"))
+    columns = ("estimator", "event", *errors)
     title = "Predicted times: error in ms (median / 90 %), and what the 80 % intervals held"
     return title, columns, rows
 
@@ -158,7 +166,7 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
         print_json(clean(summary))
         return
     columns = (
-        "targets", "valid: frames", "trials", "delay s", "margin s", "grip", "all: trials",
+        "estimator", "valid: frames", "trials", "delay s", "margin s", "grip", "all: trials",
         "right at 40%", "at 60%",
     )  # fmt: skip
     rows = []
@@ -174,7 +182,7 @@ def _print(summary: dict[str, Any], out: Path, as_json: bool) -> None:
     output.print(table_of(columns, rows))
     for title, heads, cells in (_commitments(summary), _times(summary)):
         if cells:
-            output.print(table_of(heads, cells, title))
+            output.print(table_of(heads, cells, title, leading=2 if "event" in heads else 1))
     output.print(
         f"{summary['valid']} of {summary['reaches']} reaches valid, "
         f"{len(summary['excluded'])} recordings excluded; {out / 'report.html'}",

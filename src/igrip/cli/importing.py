@@ -133,7 +133,8 @@ def import_tables(
     named = list(dict.fromkeys([*(objects or ["ycb"]), *([mesh] if ":" in mesh else [])]))
     catalog = load_objects(*named)
     changes = ImportOptions(mesh=mesh, rate=rate, rest=rest, noise=noise, seed=seed)
-    catalog[mesh]
+    if mesh != ImportOptions().mesh:  # the default is only needed by objects without a model
+        catalog[mesh]
     files = ImportFiles(tables)
     importer = _importer(files, columns, declared, catalog)
     reaches = importer.reaches(files)
@@ -214,7 +215,7 @@ def _inspect(
         for one in found:
             print_inspection(output, one)
     if write_map is not None:
-        text = map_from(found)
+        text = map_from(found, declared.rate)
         if write_map.exists():
             raise DatasetError(f"{write_map}: exists already; name a new file")
         try:

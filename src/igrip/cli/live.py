@@ -16,7 +16,7 @@ from igrip.cli import estimator_setup as setup
 from igrip.cli import options
 from igrip.cli.console import errors, output, print_json, until_interrupted, warn
 from igrip.cli.device_option import device_process
-from igrip.cli.live_table import live_table, markdown_of
+from igrip.cli.live_table import COLUMNS, live_table, rows_of
 from igrip.cli.outputs import free_port
 from igrip.cli.page import open_page
 from igrip.errors import IgripError
@@ -30,7 +30,7 @@ from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
 from igrip.perception.poses import POSES, parse_options
 from igrip.runtime.clock_sync import RunClock
-from igrip.runtime.loop import Loop, Output
+from igrip.runtime.loop import Loop, Output, Sender
 from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
@@ -151,7 +151,11 @@ def live(
             source_report=lambda: {"stages": pipeline.report()},
         )  # fmt: skip
         problems = ProblemPrinter(source, pipeline)
-        viewer = None if headless else open_page(page_port)
+        person_at_page = Sender(lambda error: warn(str(error)), "the page")
+        viewer = None if headless else open_page(
+            page_port, targets=settings.targets,
+            on_command=lambda command: loop.submit(command, person_at_page),
+        )  # fmt: skip
         if viewer is not None:
             stack.callback(viewer.close)
         stack.callback(problems.print_new)
@@ -217,7 +221,7 @@ def _run(
     problems: ProblemPrinter, kept: PersonFile | None, quiet: bool,
 ) -> None:  # fmt: skip
     """Run the loop; show its results after each update, without blocking it."""
-    panel = None if viewer is None else CameraPanel(viewer.server)
+    panel = None if viewer is None else CameraPanel(viewer)
     screen = Live(console=errors, refresh_per_second=4, transient=True)
     begin = due = time.monotonic()
 
@@ -242,7 +246,7 @@ def _run(
             stages = pipeline.report()
             screen.update(live_table(estimator.t, stages, newest))
             if panel is not None:
-                panel.set_table(markdown_of(stages))
+                panel.set_table(COLUMNS, rows_of(stages))
 
     try:
         with screen if errors.is_terminal and not quiet else nullcontext(), loop:

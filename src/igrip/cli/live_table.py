@@ -34,9 +34,3 @@ def live_table(
     """Return the table for the terminal."""
     caption = "\n".join(describe(intention) for intention in intentions) or "no hand yet"
     return table_of(COLUMNS, rows_of(report), f"t = {t:.1f} s", caption)
-
-
-def markdown_of(report: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the table for the page, in Markdown."""
-    lines = [COLUMNS, ["---"] * len(COLUMNS), *rows_of(report)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

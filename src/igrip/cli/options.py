@@ -22,7 +22,7 @@ Objects = Annotated[
 Seed = Annotated[int, typer.Option(help="Seed of all that is random.", min=0)]
 Jobs = Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)]
 Limit = Annotated[
-    int, typer.Option(help="Only so many of them, evenly spread over the table; 0: all.", min=0)
+    int, typer.Option(help="At most this many, evenly spread over the table; 0: all.", min=0)
 ]
 PagePort = Annotated[
     int, typer.Option(help="Port of the page; 0: any that is free.", min=0, max=65535)
@@ -39,7 +39,8 @@ Assisted = Annotated[
 ConfigFile = Annotated[
     Path | None,
     typer.Option("--config", help="Configuration: a TOML file with the keys of "
-                 "docs/configuration.md, such as igrip tune writes. Other options outdo it."),
+                 "docs/configuration.md, such as igrip tune writes. "
+                 "Other options take precedence."),
 ]  # fmt: skip
 Reliability = Annotated[
     float | None,
@@ -48,8 +49,8 @@ Reliability = Annotated[
 ]  # fmt: skip
 Person = Annotated[
     Path | None,
-    typer.Option(help="File of what is learned of this person's commitments; made if it is not "
-                 "there. Delete it to begin anew.", callback=file_option()),
+    typer.Option(help="File of what is learned about this person's commitments; created if "
+                 "missing. Delete it to start again.", callback=file_option()),
 ]  # fmt: skip
 Confirm = Annotated[
     bool, typer.Option("--confirm", help="Commit only to reaches that are confirmed from outside.")

@@ -108,7 +108,7 @@ def any_of(names: Iterable[str]) -> str:
 
 
 def _try_folder(folder: Path) -> None:
-    """Raise OSError if no file can be made in a folder; permissions do not say all."""
+    """Raise OSError if no file can be made in a folder; permission bits are not enough to know."""
     with tempfile.TemporaryFile(dir=folder):
         pass
 

@@ -66,7 +66,7 @@ def replay(
     length_unit: options.LengthUnit = "m",
     time_unit: options.TimeUnit = "s",
 ) -> None:  # fmt: skip
-    """Run estimators over recordings and summarise the answers.
+    """Run estimators over recordings and summarise their predictions.
 
     Over a dataset: trial success and accuracy at 40 and 60 % of the movement for each estimator,
     over all trials as in `igrip evaluate`. With --out, each line also names its recording and
@@ -132,18 +132,19 @@ def _replay_recording(
     for text in [*([cut] if cut else []), *remarks, *defects.lines()]:
         warn(text)
     inputs = run.estimator.inputs()
-    if not inputs["hands"] and not inputs["objects"]:
-        raise RecordingError(f"{path}: no hand and no object in {len(times)} messages")
+    if not inputs["hands"]:
+        none = "no hand" if inputs["objects"] else "no hand and no object"
+        raise RecordingError(
+            f"{path}: {none} in {len(times)} messages: there is nothing to predict"
+        )
 
 
 def _missing(run: EstimatorRun) -> list[str]:
-    """Return what a recording lacks for any answer, as text."""
+    """Return what a recording lacks for any prediction, as text."""
     inputs = run.estimator.inputs()
     remarks = [f"{id}: {state['reason']}" for id, state in inputs["objects"].items()
                if not state["known"]]  # fmt: skip
-    if not inputs["hands"]:
-        remarks.append("no hand was seen: there is nothing to predict")
-    elif not inputs["objects"]:
+    if inputs["hands"] and not inputs["objects"]:
         remarks.append("no object was seen: there is no target to choose")
     return remarks
 

@@ -87,7 +87,7 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
     ]  # fmt: skip
     contact = (f"contact at {part}" for part in FRACTIONS)
     columns = ("targets", "group", "trials", *shares.values(), *times.values(), *contact)
-    console.print(table_of(columns, rows, left=(1,)))
+    console.print(table_of(columns, rows, left=(1,), leading=2))
     print_trials(console, summary["remarks"], "remark")
     if summary["problems"]:
         console.print(f"{len(summary['problems'])} result(s) are missing:", style="yellow")

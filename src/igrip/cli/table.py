@@ -15,7 +15,7 @@ MIN_TEXT = 20  # characters of a column of text, where it is wrapped
 
 
 class FoldingTable:
-    """A table whose columns continue below, beside the first one again, where they do not fit.
+    """A table whose columns continue below, beside the leading ones again, where they do not fit.
 
     Numbers are never cut or broken. Text in a column that alone is wider than the terminal is
     wrapped.
@@ -30,15 +30,18 @@ class FoldingTable:
         Above and below.
     left : collection of int
         Columns of text, which stand on the left and may be wrapped; the first one always is.
+    leading : int
+        How many columns, from the first on, name a row and are repeated below.
     """
 
     def __init__(
         self, columns: Sequence[str], rows: Iterable[Sequence[Cell]], title: str = "",
-        caption: str = "", left: Collection[int] = (),
+        caption: str = "", left: Collection[int] = (), leading: int = 1,
     ) -> None:  # fmt: skip
         self.columns, self.rows = tuple(columns), [tuple(row) for row in rows]
         self.title, self.caption = title, caption
         self._left = {0, *left}
+        self._leading = range(leading)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield as many tables as it takes."""
@@ -62,12 +65,12 @@ class FoldingTable:
             for k in range(len(self.columns))
         ]
         smallest = [min(w, MIN_TEXT) if k in self._left else w for k, w in enumerate(natural)]
-        part = [0]
-        for k in range(1, len(natural)):
+        part = [*self._leading]
+        for k in range(len(part), len(natural)):
             used = EDGE + sum(smallest[n] + PADDING for n in (*part, k))
-            if len(part) > 1 and used > available:
+            if len(part) > len(self._leading) and used > available:
                 yield self._spread(part, smallest, natural, available)
-                part = [0]
+                part = [*self._leading]
             part.append(k)
         yield self._spread(part, smallest, natural, available)
 

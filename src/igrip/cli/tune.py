@@ -114,7 +114,7 @@ def _search(tuning: Tuning, trials: int, timeout: float | None, label: str, out:
         )  # fmt: skip
         raise typer.Exit(130) from None
     if not tuning.is_complete:
-        warn("the time was up before the searches were over; the same command continues them")
+        warn("the time limit ended the searches; the same command continues them")
 
 
 def _print(record: dict[str, Any], page: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -21,6 +21,19 @@ from igrip.targets import TARGETS
 from igrip.viewer.playback import Player, ReplayWorker, replay_snapshots
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot
+
+TRIAL_COLUMNS = ("participant", "trial", "hand", "target", "grip", "movement", "camera_side")
+
+
+class Choice(NamedTuple):
+    """What is shown: the row of a trial, from 1, and the estimator."""
+
+    trial: int
+    targets: str
+    title: str
+
+    def __str__(self) -> str:
+        return f"{self.title}, by {self.targets}"
 
 
 def view(
@@ -41,42 +54,95 @@ def view(
 ) -> None:
     """Look at a recording in the browser: play, pause, step, and go to any time.
 
-    The page lets you choose another estimator, hand or panel. Ctrl-C ends.
+    It begins to play shortly before the first decision. The page lets you choose another
+    estimator and, of a dataset, another trial. Ctrl-C ends.
 
     Example: igrip view near-far --trial 12
     """
-    config = Config(targets=targets) if targets else Config()
-    TARGETS.get(config.targets)
+    name = targets or Config().targets
+    TARGETS.get(name)
     port = free_port(port)
-    path, catalog = _open(recording, trial, objects or [])
+    dataset = _open(recording, trial)
+    path = _path(recording, dataset, trial)
+    sources = objects or (dataset.objects if dataset else ["ycb"])
+    catalog = load_objects(*sources)
     observations = _read(path, begin + duration)
-    snapshots = _replay(path.name, observations, catalog, config, begin)
-    first = snapshots[0].t
-    worker = ReplayWorker(
-        lambda name: replay_snapshots(observations, catalog, Config(targets=name), first)
-    )
-    viewer = Viewer(port=port, targets=config.targets, choose_targets=worker.request)
-    viewer.note(path.name, f"by {config.targets}")
+    snapshots = _replay(path.name, observations, catalog, Config(targets=name), begin)
+    shown = [Choice(trial, name, _title(dataset, trial, path))]
+
+    def replay(choice: Choice) -> list[Snapshot]:
+        messages = _read(_path(recording, dataset, choice.trial), begin + duration)
+        first = messages[0].t + begin if messages else 0.0
+        snapshots = replay_snapshots(messages, catalog, Config(targets=choice.targets), first)
+        _check_hands(snapshots, choice.title)
+        return snapshots
+
+    worker = ReplayWorker(replay)
+    viewer = Viewer(
+        port=port, targets=name,
+        choose_targets=lambda name: worker.request(shown[0]._replace(targets=name)),
+    )  # fmt: skip
     player = Player(viewer, snapshots)
-    worker.start(player.replace, lambda status: viewer.note(path.name, status))
+
+    def choose_trial(number: int) -> None:
+        if dataset is not None and 1 <= number <= len(dataset.trials):
+            title = _title(dataset, number, _path(recording, dataset, number))
+            worker.request(shown[0]._replace(trial=number, title=title))
+
+    def show(choice: Choice, snapshots: list[Snapshot]) -> None:
+        anew = choice.trial != shown[0].trial
+        shown[0] = choice
+        player.replace(snapshots, anew)
+        viewer.publish("trial", {"number": choice.trial})
+
+    viewer.note("", str(shown[0]))
+    if dataset is not None:
+        viewer.handle("trial", lambda number: choose_trial(int(number)))
+        viewer.publish("trials", list_trials(dataset))
+        viewer.publish("trial", {"number": trial})
+    worker.start(show, lambda status: viewer.note("", status))
     with closing(viewer), until_interrupted():
         errors.print(f"{path.name} is at {viewer.url}; Ctrl-C ends")
         player.run()
 
 
-def _open(recording: Path, trial: int, objects: list[str]) -> tuple[Path, Catalog]:
-    """Return the recording to show, and the models of its objects."""
+def list_trials(dataset: Dataset) -> dict[str, Any]:
+    """Return the table of trials for the page; their numbers begin at 1."""
+    rows = [
+        [k, *(getattr(trial, column) for column in TRIAL_COLUMNS)]
+        for k, trial in enumerate(dataset.trials, start=1)
+    ]
+    columns = ["number", *(column.replace("_", " ") for column in TRIAL_COLUMNS)]
+    return {"columns": columns, "rows": rows}
+
+
+def _title(dataset: Dataset | None, number: int, path: Path) -> str:
+    """Return the name of a recording, and its task."""
+    if dataset is None:
+        return path.name
+    trial = dataset.trials[number - 1]
+    parts = [f"trial {number} ({path.name})"]
+    if trial.hand:
+        parts.append(f"task: {trial.hand} hand to {trial.target or 'unknown'}")
+    return ", ".join(parts)
+
+
+def _open(recording: Path, trial: int) -> Dataset | None:
+    """Return the dataset that has this trial; None for a single recording."""
+    if not recording.exists():
+        raise RecordingError(f"{recording}: no such file or folder")
     if not recording.is_dir():
-        if not recording.exists():
-            raise RecordingError(f"{recording}: no such file or folder")
-        return recording, load_objects(*(objects or ["ycb"]))
+        return None
     dataset = Dataset.open(recording)
     if trial > len(dataset.trials):
         raise RecordingError(
             f"{recording} has {len(dataset.trials)} trials, so none number {trial}"
         )
-    path = dataset.recording(dataset.trials[trial - 1])
-    return path, load_objects(*(objects or dataset.objects))
+    return dataset
+
+
+def _path(recording: Path, dataset: Dataset | None, trial: int) -> Path:
+    return recording if dataset is None else dataset.recording(dataset.trials[trial - 1])
 
 
 def _read(path: Path, until: float) -> list[Observation]:
@@ -101,6 +167,10 @@ def _replay(
 
         first = observations[0].t + begin if observations else 0.0
         snapshots = replay_snapshots(map(counted, observations), catalog, config, first)
+    _check_hands(snapshots, name)
+    return snapshots
+
+
+def _check_hands(snapshots: list[Snapshot], name: str) -> None:
     if not any(snapshot.hands for snapshot in snapshots):
         raise RecordingError(f"{name}: no hand is measured in this part, so nothing can be shown")
-    return snapshots

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -23,9 +25,12 @@ class Cylinders(NamedTuple):
     ----------
     rows : (o, 11)
         As this file lays them out, read by the properties, and in kernels by :func:`centre_of` etc.
+    paths : mapping of int to (n, 4)
+        Rows t, x, y, z [s, m] of a point of each object that moves, by the object's number.
     """
 
     rows: Array
+    paths: Mapping[int, Array] = MappingProxyType({})
 
     @classmethod
     def zeros(cls, count: int) -> Cylinders:
@@ -66,7 +71,7 @@ class Cylinders(NamedTuple):
 
     def one(self, o: int) -> Cylinders:
         """Return cylinder ``o`` alone."""
-        return Cylinders(self.rows[o : o + 1])
+        return Cylinders(self.rows[o : o + 1], {0: self.paths[o]} if o in self.paths else {})
 
     def distance(self, o: int, point: Array) -> float:
         """Return how far a point, shape (3,), is outside of cylinder ``o``; 0 inside [m]."""

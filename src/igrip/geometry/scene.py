@@ -78,6 +78,8 @@ class PlacedObject(NamedTuple):
         Centre of gravity, world frame [m].
     velocity : (3,)
         Of that centre, world frame [m/s].
+    path : (n, 4) or None
+        Rows t, x, y, z of the mesh's origin lately, world frame [s, m]; None: it stands still.
     """
 
     id: str
@@ -86,6 +88,7 @@ class PlacedObject(NamedTuple):
     translation: Array
     centre: Array
     velocity: Array
+    path: Array | None = None
 
 
 class Geometry(NamedTuple):
@@ -200,7 +203,8 @@ class Scene:
                 placed.models, models.axes, models.origins, models.sizes, placed.rotations,
                 placed.translations, placed.velocities, out.rows,
             )  # fmt: skip
-            return out
+            paths = {k: o.path for k, o in enumerate(objects) if o.path is not None}
+            return out._replace(paths=paths) if paths else out
 
         both, solids = _Once(surfaces), _Once(cylinders)
         half_length, spread = models.sizes[placed.models, 0], kernel.spread(placed.centres)

@@ -122,7 +122,7 @@ def weights() -> Array:
     """
     content = read_learned(WEIGHTS, FORMAT)
     if tuple(content.get("weights", ())) != TERMS:
-        raise IgripError(f"{WEIGHTS}: was made for other terms; train it anew (make train)")
+        raise IgripError(f"{WEIGHTS}: was made for other terms; retrain it (make train)")
     return np.stack([numbers(content, ["weights", term], (), WEIGHTS) for term in TERMS])
 
 
@@ -133,7 +133,7 @@ class ContactGrip:
     Parameters
     ----------
     config : GripConfig
-        ``sure`` says how sure.
+        ``sure`` is the probability from which the contact point decides.
     learned : (t,) array, optional
         The weights of :data:`TERMS`; by default those that ship.
     """

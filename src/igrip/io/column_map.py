@@ -55,7 +55,7 @@ class SampleColumns(BodyColumns):
     trial : str or None
         Column of the trial; without it each table is one trial, named as its file.
     t : str or None
-        Column of the times; None: ``t``, or what the layout says, or frame number and rate.
+        Column of the times; None: ``t``, or what the layout states, or frame number and rate.
     frame : str or None
         Column of frame numbers, which need ``rate``.
     """

@@ -1,4 +1,4 @@
-"""Names of columns and other things: found by their parts, and near misses named."""
+"""Names of columns and bodies: found by their parts, and near misses named."""
 
 from __future__ import annotations
 

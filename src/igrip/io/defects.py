@@ -13,7 +13,7 @@ Kind = Literal["not seen", "left out", "corrected", "skipped", "gap"]
 
 
 class Defect(NamedTuple):
-    """One thing that was wrong with one message.
+    """One defect of one message.
 
     Attributes
     ----------

@@ -11,14 +11,17 @@ Side = Literal["left", "right"]
 _SIDES: dict[str, Side] = {
     "r": "right", "right": "right", "rh": "right", "rt": "right",
     "l": "left", "left": "left", "lh": "left", "lt": "left",
+    "rechts": "right", "droite": "right", "derecha": "right", "destra": "right",
+    "links": "left", "gauche": "left", "izquierda": "left", "sinistra": "left",
 }  # fmt: skip
 _PARTS = frozenset({
     "hand", "palm", "wrist", "fist", "glove", "index", "finger", "fingertip", "thumb", "knuckle",
     "controller", "marker", "tip",
+    "main", "mano",
     "fin", "wra", "wrb",  # the hand and the wrist of Plug-in Gait
 })  # fmt: skip
 
-_HAND_WORDS = _PARTS - {"marker", "tip", "index", "controller"}
+_HAND_WORDS = _PARTS - {"marker", "tip", "index", "controller", "main"}
 
 _JOINED = re.compile(r"(right|left|r|l)(hand|palm|wrist|index|thumb|finger|fin|wra|wrb)")
 

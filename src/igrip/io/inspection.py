@@ -13,17 +13,12 @@ import numpy as np
 from igrip.errors import DatasetError
 from igrip.io.importers import ImportFiles
 from igrip.io.plausibility import Samples, check_samples
-from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
 from igrip.io.takes.roles import hands_of, objects_of
+from igrip.io.takes.sections import merge_tracking_systems
 from igrip.io.takes.take import Take
 from igrip.io.takes.upright import with_upright_axes
-
-ROTATIONS = (
-    "three numbers of a rotation are taken as axis times angle; Euler angles are declared by "
-    'rotations = "XYZ" in a map (about the body\'s axes; "xyz": about the world\'s)'
-)
 
 
 @dataclass(frozen=True)
@@ -99,7 +94,7 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
     """
     files = ImportFiles(paths)
     found = []
-    for name, source in files.opened.items():
+    for name, source in merge_tracking_systems(files.opened).items():
         if isinstance(source, DatasetError):
             path = files.paths[0] if len(files.paths) == 1 else Path(name)
             found.append(Inspection(name, path, "not readable", problem=str(source)))
@@ -114,8 +109,6 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
             found.append(Inspection(name, path, layout, dialect, columns, None, str(error)))
             continue
         findings = [*take.remarks, *(finding.text for finding in _findings(take))]
-        if _takes_rotvec(source) and not declared.rotations:
-            findings.append(ROTATIONS)
         found.append(Inspection(name, path, layout, dialect, columns, take, None, findings))
     if not found:
         inside = sorted({path.suffix or path.name for p in files.paths for path in _files(p)})
@@ -124,11 +117,6 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
             f"{', '.join(inside[:10]) or 'nothing'}{_other_command(inside)}"
         )
     return found
-
-
-def _takes_rotvec(source: Table | Path) -> bool:
-    bodies = source.layout.bodies if isinstance(source, Table) else ()
-    return any(body.rotation and body.rotation_kind == "rotvec" for body in bodies)
 
 
 def _other_command(endings: Iterable[str]) -> str:
@@ -141,8 +129,15 @@ def _other_command(endings: Iterable[str]) -> str:
     return ""
 
 
-def map_from(inspections: Sequence[Inspection]) -> str:
+def map_from(inspections: Sequence[Inspection], rate: float | None = None) -> str:
     """Return a map of columns to start from, as TOML.
+
+    Parameters
+    ----------
+    inspections : sequence of Inspection
+        What the files hold.
+    rate : float or None
+        The rate that was declared for files without times [Hz]; the map declares it too.
 
     Raises
     ------
@@ -167,6 +162,8 @@ def map_from(inspections: Sequence[Inspection]) -> str:
     ]
     if take.frame.time_unit != "s":
         lines.append(f'time_unit = "{take.frame.time_unit}"')
+    if rate is not None:
+        lines.append(f"rate = {rate:.6g}  # frames per second, for files without times")
     axes = json.dumps(list(take.frame.axes))
     lines += [
         f"axes = {axes}  # our x, y, z in the file's axes; z up is right as it is: x, y, z",

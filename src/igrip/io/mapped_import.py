@@ -14,6 +14,7 @@ from igrip.io.mapped_takes import takes_in
 from igrip.io.mapped_trial import TrialReader
 from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
+from igrip.io.takes.sections import merge_tracking_systems
 from igrip.io.takes.take import Take
 
 
@@ -25,7 +26,7 @@ class ColumnMapImporter:
     columns : ColumnMap
         The map.
     declared : Declared, optional
-        What is declared besides, in place of what the map says.
+        What is declared besides, in place of what the map declares.
     """
 
     def __init__(self, columns: ColumnMap, declared: Declared | None = None) -> None:
@@ -85,11 +86,12 @@ class ColumnMapImporter:
         origin: dict[str, str] = {}
         found = False
         others: list[DatasetError] = []
-        for name, source in files.opened.items():
-            if name == self._map.trials.table or not _matches(
-                name, source, self._map.samples.table
-            ):
-                continue
+        wanted = self._map.samples.table
+        chosen = {
+            name: source for name, source in files.opened.items()
+            if name != self._map.trials.table and _matches(name, source, wanted)
+        }  # fmt: skip
+        for name, source in merge_tracking_systems(chosen).items():
             found = True
             try:
                 if isinstance(source, DatasetError):

@@ -18,8 +18,9 @@ from igrip.io.tables import Table
 from igrip.io.takes.build import RawBody, build_take
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import TAKE_ENDINGS, read_take
-from igrip.io.takes.tables import raw_bodies, times_of
+from igrip.io.takes.sections import with_sections
 from igrip.io.takes.take import Take
+from igrip.io.takes.times import raw_bodies, times_of
 
 TRIAL_HAND = "\0hand"
 """Name of the track of the hand that the table of trials names."""
@@ -40,9 +41,9 @@ def takes_in(
     samples = columns.samples
     time = _time_column(source, columns, declared)
     times, of_day = times_of(source, declared, time)
-    bodies = raw_bodies(source, source.layout.bodies, declared)
-    lines = source.lines()
     remarks = list(source.layout.remarks)
+    bodies = raw_bodies(source, source.layout.bodies, declared, remarks)
+    lines = source.lines()
     hand = _hand_columns(source, columns)
     if hand is not None:
         bodies.pop("", None)  # the same columns without a name
@@ -52,7 +53,7 @@ def takes_in(
             bodies[f"{TRIAL_HAND}:{id}"] = _raw(source, part.columns, declared, remarks)
     unit = source.layout.length_unit
     if columns.unit and unit and columns.unit != unit:
-        remarks.append(f"the file says {unit}, the map {columns.unit}: the map holds")
+        remarks.append(f"the file states {unit}, the map {columns.unit}: the map is used")
     from_rate = time is None and source.layout.time is None
     declared = Declared(time_unit="s") | declared if from_rate else declared
     frame = declared.frame(source.layout)
@@ -78,9 +79,9 @@ def takes_in(
 
     if samples.trial is None:
         take = built(trial_id(name), None)
-        return {
-            trial_id(name): take if isinstance(take, DatasetError) else _with_hand(take, columns)
-        }
+        if not isinstance(take, DatasetError):
+            take = _with_hand(with_sections(take, source, declared), columns)
+        return {trial_id(name): take}
     groups: dict[str, list[int]] = {}
     for k, text in enumerate(source.texts(source.find(samples.trial))):
         groups.setdefault(trial_id(text), []).append(k)
@@ -103,7 +104,7 @@ def find_take(trial: str, participant: str | None, takes: Collection[str]) -> st
     Parameters
     ----------
     trial, participant : str, str or None
-        What the row says.
+        What the row states.
     takes : collection of str
         Names of the takes; a name with folders where several share the rest.
     """

@@ -20,7 +20,7 @@ from igrip.io.takes.declared import Declared
 from igrip.io.takes.jumps import jump_remark
 from igrip.io.takes.roles import hands_of
 from igrip.io.takes.take import Take, Track
-from igrip.io.takes.upright import upright_remark, with_upright_axes
+from igrip.io.takes.upright import with_upright_axes
 
 Array = NDArray[np.float64]
 
@@ -146,9 +146,6 @@ class TrialReader:
         if problem is not None:
             raise DatasetError(f"{self._where}: {problem}{_remedy(findings)}")
         remarks = [finding.text for finding in findings]
-        if take.frame.axes == ("x", "y", "z") and not any(f.kind == "up" for f in findings):
-            remark = upright_remark(track.positions, list(placed.values()))
-            remarks += [remark] if remark else []
         jump = jump_remark(track)
         return [*remarks, jump] if jump else remarks
 

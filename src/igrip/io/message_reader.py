@@ -23,7 +23,7 @@ from igrip.io.missing_markers import is_missing_marker
 from igrip.observation import RESERVED_OBJECT_ID, SCHEMA, Observation
 
 ROUNDED_NORM = 0.02  # from 1 of a quaternion that was rounded to two decimals, at most
-ZERO_DISTANCE = 0.1  # m from 0 0 0; a thing that was farther away is not there but lost
+ZERO_DISTANCE = 0.1  # m from 0 0 0; an entity that was farther away is not there but lost
 MAX_HANDS, MAX_OBJECTS, MAX_ID_LENGTH = 32, 512, 128
 BELOW_ZERO = 3  # messages in a row dated below zero that make a step of the clock
 MAX_REMEMBERED = 1024  # entities whose newest position is remembered
@@ -144,7 +144,7 @@ class MessageReader:
         return observation.annotated(not_seen=lost) if lost else observation, defects
 
     def _time(self, t: float, defects: list[Defect]) -> float:
-        """Return a time that is not below zero: times may begin there, or step there for good."""
+        """Return a time that is not below zero: times may begin there, or step there and stay."""
         t *= self._frame.seconds
         self._below = self._below + 1 if t + self.shift < 0.0 else 0
         if self._below and (not self._begun or self._below >= BELOW_ZERO):

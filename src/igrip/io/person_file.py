@@ -78,7 +78,7 @@ def _read(path: Path, config: AdaptationConfig) -> Person:
         raise PersonFileError(f"{path}: {error.strerror or error}") from error
     except msgspec.DecodeError as error:
         raise PersonFileError(
-            f"{path}: is not the file of a person ({error}); delete it to begin anew"
+            f"{path}: is not the file of a person ({error}); delete it to start again"
         ) from None
     if stored.format != FORMAT:
         raise PersonFileError(f"{path}: its format is {stored.format!r:.40}, not {FORMAT!r}")

@@ -8,83 +8,31 @@ names the unit or frame that would fit. The limits are wide: reaches span centim
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from igrip.io.findings import Array, Finding, Samples, options_that_fix, refusal
+from igrip.io.fitting_units import fitting_units, fix_by, format_number, question
 from igrip.io.frames import METRES, SECONDS
+from igrip.io.plausible_motion import MAX_EXTENT, USUAL_EXTENT, check_motion
+from igrip.io.upright import layer_of
 
-Array = NDArray[np.float64]
+__all__ = ["Finding", "Samples", "check_extents", "check_length", "check_samples", "check_sizes",
+           "check_times", "check_up", "options_that_fix", "refusal"]  # fmt: skip
 
 MAX_INTERVAL = 2.0  # s between samples; more is refused
 SLOW_INTERVAL = 0.5  # s; more is remarked
 MIN_INTERVAL = 2e-4  # s; less is refused
-MAX_EXTENT = 20.0  # m that a hand or object may move; more is refused
 MIN_EXTENT = 0.005  # m that the whole scene must span
-MAX_SPEED = 30.0  # m/s, as the median of a moving hand; more is remarked
-USUAL_INTERVAL, USUAL_EXTENT, USUAL_SIZE = 0.012, 0.5, 0.15  # s, m, m: which unit fits best
-SIZES = (0.002, 2.0)  # m of a thing that a hand grasps
+USUAL_INTERVAL, USUAL_SIZE = 0.012, 0.15  # s, m: which unit fits best
+SIZES = (0.002, 2.0)  # m of an object that a hand grasps
 MAX_MESSAGES = 100_000  # that any recording may be resampled to; a longer one: 20 a sample
 MESSAGES_PER_SAMPLE = 20
 MIN_SAMPLES = 5  # fewer show nothing
-REPEATED_SHARE = 0.5  # of positions that repeat the one before, bit for bit
-MAX_REPEATS = 8  # in a row; more are a rest
 ALIGNED = math.cos(math.radians(10.0))
-
-
-class Finding(NamedTuple):
-    """One thing that is implausible.
-
-    Attributes
-    ----------
-    verdict : str
-        ``refuse``: the numbers cannot be meant so; ``remark``: they can, but it is unusual.
-    kind : str
-        ``interval``, ``length``, ``extent``, ``speed``, ``size``, ``missing``, ``repeats``, ``up``.
-    text : str
-        For the user; it names the unit or frame that would fit.
-    fix : 2 str, optional
-        The argument of :meth:`igrip.io.frames.DeclaredFrame.declare` that would mend it, and its
-        value.
-    """
-
-    verdict: Literal["refuse", "remark"]
-    kind: str
-    text: str
-    fix: tuple[str, str] | None = None
-
-
-@dataclass(frozen=True)
-class Samples:
-    """The measurements of one hand or object, as they are taken: metres, seconds, x, y, z, w.
-
-    Parameters
-    ----------
-    times : (n,)
-        [s].
-    positions : (n, 3)
-        [m]; a row with NaN: not seen.
-    orientations : (n, 4), optional
-        World from mesh; a row with NaN: not seen.
-    """
-
-    times: Array
-    positions: Array
-    orientations: Array | None = None
-
-
-def options_that_fix(findings: Iterable[Finding]) -> str:
-    """Return the options of a command line that would mend findings, such as ``--up y``."""
-    fixes = dict(f.fix for f in findings if f.fix is not None).items()
-    return " ".join(f"--{word.replace('_', '-')} {value}" for word, value in fixes)
-
-
-def refusal(findings: Iterable[Finding]) -> str | None:
-    """Return why data are refused, as one text; None if they are not."""
-    return "; ".join(f.text for f in findings if f.verdict == "refuse") or None
 
 
 @np.errstate(over="ignore", invalid="ignore")  # whatever the numbers are, they are judged
@@ -102,12 +50,23 @@ def check_samples(
     findings = check_times(times, time_unit)
     findings += check_extents({id: s.positions for id, s in scene}, length_unit)
     for id, samples in hands.items():
-        findings += _check_motion(id, samples, length_unit)
-    findings += check_up(
+        findings += check_motion(id, samples, length_unit)
+    up = check_up(
         {id: s.orientations for id, s in objects.items() if s.orientations is not None},
         {id: s.positions for id, s in objects.items()},
     )
-    return findings
+    return findings + (up or _check_layer(hands, objects))
+
+
+def _check_layer(hands: Mapping[str, Samples], objects: Mapping[str, Samples]) -> list[Finding]:
+    """Remark on a scene that lies in a layer along another axis than z."""
+    places = [np.median(r, axis=0) for s in objects.values() if len(r := _finite_rows(s.positions))]
+    for samples in hands.values():
+        found = layer_of(_finite_rows(samples.positions), places)
+        if found is not None:
+            text = f'{found.text}: if {found.axis} points up, declare up = "{found.axis}"'
+            return [Finding("remark", "up", text, ("up", found.axis))]
+    return []
 
 
 def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
@@ -120,13 +79,15 @@ def check_times(times: ArrayLike, unit: str = "s") -> list[Finding]:
     step = float(np.median(steps))
     if MIN_INTERVAL <= step <= SLOW_INTERVAL:
         return []
-    fits = _fitting_units(step, unit, SECONDS, (5e-4, 0.25), USUAL_INTERVAL)
-    refused = not MIN_INTERVAL <= step <= MAX_INTERVAL
-    text = f"steps of {_number(step)} s" + _question("are these", fits)
+    fits = fitting_units(step, unit, SECONDS, (5e-4, 0.25), USUAL_INTERVAL)
+    counted = step == 1.0 and len(steps) > 2 * MIN_SAMPLES and bool((steps % 1.0 == 0.0).all())
+    refused = counted or not MIN_INTERVAL <= step <= MAX_INTERVAL
+    named = [*fits, "frame numbers (an import takes their rate)"] if counted else fits
+    text = f"steps of {format_number(step)} s" + question("are these", named)
     if not fits and step > SLOW_INTERVAL:
         text += ": igrip follows motion from about 10 samples a second on"
     verdict: Literal["refuse", "remark"] = "refuse" if refused else "remark"
-    return [Finding(verdict, "interval", text, _fix("time_unit", fits))]
+    return [Finding(verdict, "interval", text, fix_by("time_unit", fits))]
 
 
 def check_length(times: ArrayLike, rate: float) -> list[Finding]:
@@ -140,14 +101,14 @@ def check_length(times: ArrayLike, rate: float) -> list[Finding]:
     if messages <= max(MAX_MESSAGES, MESSAGES_PER_SAMPLE * len(values)):
         return []
     text = (
-        f"{len(values)} samples over {_number(seconds)} s would become {messages:.3g} messages at "
-        f"{rate:g} Hz: is the unit of time right, and are there odd times?"
+        f"{len(values)} samples over {format_number(seconds)} s would become {messages:.3g} "
+        f"messages at {rate:g} Hz: is the unit of time right, and are there odd times?"
     )
     return [Finding("refuse", "length", text)]
 
 
 def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[Finding]:
-    """Check how far things move and are apart, by id (n, 3) [m], converted from ``unit``."""
+    """Check how far bodies move and are apart, by id (n, 3) [m], converted from ``unit``."""
     findings: list[Finding] = []
     everything = []
     for id, given in positions.items():
@@ -162,17 +123,17 @@ def check_extents(positions: Mapping[str, ArrayLike], unit: str = "m") -> list[F
         size, words = (span, "moves over") if span > MAX_EXTENT else (away, "is")
         if size <= MAX_EXTENT * (1.0 if size is span else 5.0):
             continue
-        fits = _fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
-        text = f"{id} {words} {_number(size)} m{'' if size is span else ' from the origin'}"
-        text += _question("are its positions in", fits)
-        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
+        fits = fitting_units(size, unit, METRES, (0.02, 5.0), USUAL_EXTENT)
+        text = f"{id} {words} {format_number(size)} m{'' if size is span else ' from the origin'}"
+        text += question("are its positions in", fits)
+        findings.append(Finding("refuse", "extent", text, fix_by("length_unit", fits)))
     if findings or not everything:
         return findings
     span = float(np.max(np.ptp(np.concatenate(everything), axis=0)))
     if len(everything) > 1 and 0.0 < span < MIN_EXTENT:
-        fits = _fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
-        text = f"the whole scene spans {_number(span)} m" + _question("are positions in", fits)
-        findings.append(Finding("refuse", "extent", text, _fix("length_unit", fits)))
+        fits = fitting_units(span, unit, METRES, (0.05, 10.0), USUAL_EXTENT)
+        text = f"the whole scene spans {format_number(span)} m" + question("are positions in", fits)
+        findings.append(Finding("refuse", "extent", text, fix_by("length_unit", fits)))
     return findings
 
 
@@ -183,9 +144,9 @@ def check_sizes(extents: Mapping[str, ArrayLike], unit: str = "m") -> list[Findi
         size = float(np.max(np.asarray(extent, dtype=np.float64)))
         if SIZES[0] <= size <= SIZES[1]:
             continue
-        fits = _fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
-        text = f"{name} is {_number(size)} m long" + _question("is it in", fits)
-        findings.append(Finding("refuse", "size", text, _fix("length_unit", fits)))
+        fits = fitting_units(size, unit, METRES, (0.02, 0.5), USUAL_SIZE)
+        text = f"{name} is {format_number(size)} m long" + question("is it in", fits)
+        findings.append(Finding("refuse", "size", text, fix_by("length_unit", fits)))
     return findings
 
 
@@ -221,41 +182,6 @@ def check_up(
     return []
 
 
-def _check_motion(id: str, samples: Samples, unit: str) -> list[Finding]:
-    """Check the speed of a hand, and the share of positions that repeat the one before."""
-    seen = np.isfinite(samples.positions).all(axis=1) & np.isfinite(samples.times)
-    times, points = samples.times[seen], samples.positions[seen]
-    if len(times) < 2 * MIN_SAMPLES:
-        return []
-    findings = []
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    intervals = np.diff(times)
-    repeated = _repeated_share(steps == 0.0)
-    if repeated >= REPEATED_SHARE:
-        text = (
-            f"{repeated:.0%} of the positions of {id} repeat the one before while it moves: is it "
-            "sent more often than it is measured?"
-        )
-        findings.append(Finding("remark", "repeats", text))
-    moved = (intervals > 0.0) & (steps > 0.0)
-    if moved.sum() >= MIN_SAMPLES:
-        speed = float(np.median(steps[moved] / intervals[moved]))
-        if speed > MAX_SPEED:
-            text = f"{id} moves at {_number(speed)} m/s: are the units of length and time right?"
-            findings.append(Finding("remark", "speed", text))
-    return findings
-
-
-def _repeated_share(repeats: NDArray[np.bool_]) -> float:
-    """Return the share of repeated positions between moves; a rest is no repetition."""
-    moves = np.flatnonzero(~repeats)
-    between = np.diff(moves) - 1
-    short = between[between <= MAX_REPEATS]
-    if (short > 0).sum() < MIN_SAMPLES:
-        return 0.0
-    return float(short.sum() / (short.sum() + len(moves)))
-
-
 def _upright_axis(quaternions: ArrayLike) -> Array | None:
     """Return where the z axis of a mesh points, the mean over (n, 4) x, y, z, w; None: unknown."""
     q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
@@ -273,26 +199,3 @@ def _upright_axis(quaternions: ArrayLike) -> Array | None:
 def _finite_rows(positions: ArrayLike) -> Array:
     rows = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     return rows[np.isfinite(rows).all(axis=1)]
-
-
-def _fitting_units(
-    value: float, unit: str, units: Mapping[str, float], bounds: tuple[float, float], usual: float
-) -> list[str]:
-    """Return the units in which the source's numbers would fit, the likeliest first."""
-    given = value / units[unit]
-    fits = {name: given * size for name, size in units.items() if name != unit}
-    fits = {name: x for name, x in fits.items() if bounds[0] <= x <= bounds[1]}
-    common = {name: x for name, x in fits.items() if name not in ("dm", "in")} or fits
-    return sorted(common, key=lambda name: abs(math.log(common[name] / usual)))
-
-
-def _fix(word: str, units: list[str]) -> tuple[str, str] | None:
-    return (word, units[0]) if units else None
-
-
-def _question(verb: str, units: list[str]) -> str:
-    return f": {verb} {' or '.join(units)}?" if units else ""
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}" if not 1e3 <= value < 1e7 else f"{value:.0f}"

@@ -152,6 +152,10 @@ class RecordingReader(ABC):
                 self.defects.add(defect, stored.place)
             self.shift, read = reader.shift, read + 1
             yield stored.place, observation
+        if (
+            not read and first is None and len(self.defects)
+        ):  # of the format, not of igrip's messages
+            raise RecordingError(f"{self.path}: {'; '.join(self.defects.lines())}")
         if not read and first is not None:
             raise RecordingError(
                 f"{self.path}, {first}. No message of the file can be read; each must be like "

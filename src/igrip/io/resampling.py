@@ -50,7 +50,7 @@ def observations_of(
     Raises
     ------
     DatasetError
-        If the recording is much longer than its samples can tell: its unit of time is wrong.
+        If the recording is much longer than its samples explain: its unit of time is wrong.
     UnknownModelError
         If the catalogue lacks the model of an object.
     """

@@ -112,7 +112,7 @@ def _parts(lines: Lines) -> list[tuple[int, int]]:
         line = lines[k]
         if len(line) < 500 and re.split(r"[,;\t]", line.strip(), maxsplit=1)[0].lower() in SECTIONS:
             below = " ".join(lines[j] for j in range(k + 1, min(k + 6, len(lines))))
-            if re.search(r"\bframe\b", below, re.IGNORECASE):
+            if re.search(r"\bframe\b|\bsubject\W+context\b", below, re.IGNORECASE):
                 starts.append(k)
     if not starts or any(lines[k].strip() for k in range(min(starts[0], len(lines)))):
         return [(0, len(lines))]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.errors import DatasetError, requires_extra
+from igrip.io.cells.dialect import BLANKS
 from igrip.io.cells.lines import Lines
 from igrip.io.cells.values import clock_time, date_time, is_time, number
 from igrip.io.column_names import fitting_columns, near_miss, shortened
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 class Table:
-    """A table whose columns are read when they are asked for.
+    """A table whose columns are read on first access.
 
     Attributes
     ----------
@@ -180,14 +181,16 @@ class TextTable(Table):
         super().__init__(head.path, layout, f"{head.lines.encoding}, {head.dialect}")
         self._lines, self._split = head.lines, head.dialect.split
         self._decimal = head.dialect.decimal
+        # between blanks an empty cell leaves no trace: which cells a shorter row has is not known
+        self._least = len(layout.paths) if head.dialect.separator == BLANKS else 0
 
     def cells(self, columns: Sequence[int]) -> Iterator[tuple[int, list[str]]]:
         """Yield the number of the line and the texts of some columns, row by row."""
-        split = self._split
+        split, least = self._split, self._least
         for index, line in self._lines.between(self.layout.first, self.layout.stop):
             if line and not line.isspace():
                 row = split(line)
-                width = len(row)
+                width = len(row) if len(row) >= least else 0
                 yield index + 1, [row[k] if k < width else "" for k in columns]
 
 

@@ -113,16 +113,20 @@ def read_text(path: str | Path, fallback: str | None = None) -> str:
 def read_lines(file: BinaryIO, max_length: int = MAX_LINE) -> Iterator[Line]:
     """Yield the lines of a stream as they come; blank ones are counted, not yielded.
 
-    Line ends are a line feed, after a carriage return or not. Bytes that are no text become the
-    replacement character (those of UTF-8 stay as they are), so that one bad line costs itself.
+    Line ends are a line feed, after a carriage return or not, or a carriage return alone (in lines
+    within the limit). Bytes that are no text become the replacement character (those of UTF-8 stay
+    as they are), so that one bad line costs itself.
     """
     reader = _LineReader(file, max_length)
     number = 0
     while (line := reader.next()) is not None:
-        number += 1
-        data = line.data.strip(b" \t\r\n\0")
-        if data:
-            yield Line(number, data, line.ended, line.too_long)
+        parts = [line.data] if line.too_long else line.data.rstrip(b"\r\n\0").split(b"\r")
+        for index, part in enumerate(parts):
+            number += 1
+            data = part.strip(b" \t\r\n\0")
+            if data:
+                ended = line.ended or index < len(parts) - 1 or line.data.endswith(b"\r")
+                yield Line(number, data, ended, line.too_long)
 
 
 class _LineReader:

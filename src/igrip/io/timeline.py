@@ -1,7 +1,7 @@
 """The times of a recording: put in order where a clock stepped, jumped or began below zero.
 
-Times that step back for good go on from where they were; a message that alone is out of order is
-left out. The later messages decide, so a few are read ahead.
+Times that step back and stay there go on from where they were; a message that alone is out of
+order is left out. The later messages decide, so a few are read ahead.
 """
 
 from __future__ import annotations
@@ -51,7 +51,10 @@ def order_times(
                 note(Defect("skipped", "t", f"steps back by {last - t:.6g} s"), place)
                 continue
             note(
-                Defect("corrected", "t", f"steps back by {last + period - t:.6g} s for good"), place
+                Defect(
+                    "corrected", "t", f"steps back by {last + period - t:.6g} s and stays there"
+                ),
+                place,
             )
             offset += last + period - t
             t = last + period

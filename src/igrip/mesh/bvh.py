@@ -67,7 +67,7 @@ def _tree(
     leaves: NDArray[np.float64],
     max_in_leaf: int,
 ) -> Bvh:
-    """Build the tree of things with these bounds, at most ``max_in_leaf`` in a leaf."""
+    """Build the tree of items with these bounds, at most ``max_in_leaf`` in a leaf."""
     order = np.arange(len(leaves), dtype=np.int64)
     nodes = max(1, 2 * len(leaves))
     boxes = np.empty((nodes, 6, 2))

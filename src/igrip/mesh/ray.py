@@ -8,7 +8,7 @@ from igrip.compiled import kernel
 from igrip.mesh.bvh import LEAF_BITS
 
 PARALLEL = 1e-200  # stands for a zero component of a direction: its inverse stays finite
-EDGE = 1e-12  # barycentric tolerance: a ray through a shared edge must not slip between triangles
+EDGE = 1e-12  # barycentric tolerance: a ray through a shared edge must not pass between triangles
 LEAF_MASK = (1 << LEAF_BITS) - 1
 SLACK = 1.0 + 1e-12  # a few units in the last place, since the slabs round
 

@@ -149,6 +149,12 @@ def times_of(state):
 
 
 @kernel
+def set_reach(state, max_speed, max_speed_time, path_length):
+    """Set the highest speed, when it was, and the length of the path [m/s, s, m]."""
+    state[MAX_SPEED], state[MAX_SPEED_TIME], state[PATH] = max_speed, max_speed_time, path_length
+
+
+@kernel
 def start_of(state):
     """Return where the hand rested, shape (3,) [m]; a view."""
     return state[START : START + 3]

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from igrip.errors import ObjectsError
+from igrip.objects.mesh_reader import read_text
 
 INFO = "models_info.json"
 HALF_TURN = 0.02  # largest difference of a matrix from that of a half turn
@@ -68,7 +69,7 @@ def _half_turns(matrices: Sequence[Any]) -> list[int]:
 @lru_cache(maxsize=8)
 def _read(path: Path) -> Mapping[str, Any]:
     try:
-        info = json.loads(path.read_text(encoding="utf-8-sig"))
+        info = json.loads(read_text(path))
     except (OSError, ValueError) as error:
         raise ObjectsError(f"{path}: {error}") from error
     if not isinstance(info, dict) or not all(isinstance(entry, dict) for entry in info.values()):

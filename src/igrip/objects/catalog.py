@@ -30,7 +30,7 @@ _CACHED_BY = (
 
 
 class Catalog(Mapping[str, ObjectModel]):
-    """Models of objects by name or alias. A model is built or read when it is first asked for.
+    """Models of objects by name or alias. A model is built or read on first access.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def load_objects(*sources: str | Path) -> Catalog:
         If a source does not exist, holds nothing that can be read, or two objects share a name. A
         file of a folder that cannot be read and that no table names is left out, with a warning.
     MeshUnitError
-        If a mesh of a folder is plainly not in metres; the message says how to declare its unit.
+        If a mesh of a folder is implausible in metres; the message explains the remedy.
 
     Examples
     --------

@@ -134,14 +134,14 @@ class MeshFile:
         guess = fitting[0] if fitting else "m"
         offers = f"; {_offers(raw, unit)}" if fitting else ""
         return (
-            f"{self.path}: is {extent:.4g} m long if its unit is {unit!r}, which is not a thing a "
-            f"hand can grasp{offers}. Declare its unit in {self.path.parent / TABLE} "
+            f"{self.path}: is {extent:.4g} m long if its unit is {unit!r}, too large or too "
+            f"small for a hand to grasp{offers}. Declare its unit in {self.path.parent / TABLE} "
             f'(for all meshes: [defaults]):\n[{self.name}]\nunit = "{guess}"'
         )
 
 
 def _fitting_units(raw: float, declared: str) -> list[str]:
-    """Return the units that make a graspable thing of a length, the likeliest first."""
+    """Return the units that make an object of this length graspable, the likeliest first."""
     sizes = {unit: raw * METRES[unit] for unit in METRES if unit != declared}
     fitting = [unit for unit, size in sizes.items() if MIN_EXTENT <= size <= MAX_EXTENT]
     # inches are rare
@@ -193,7 +193,7 @@ class Primitive:
 
 
 def parse_primitive(text: str) -> Primitive | None:
-    """Read a primitive such as ``box:0.07x0.16x0.21``; None if the text is no such thing.
+    """Read a primitive such as ``box:0.07x0.16x0.21``; None if the text names no primitive.
 
     Raises
     ------

@@ -20,16 +20,17 @@ from typing import Any
 import trimesh
 from pydantic import ValidationError
 
-from igrip.errors import ObjectsError
+from igrip.errors import ObjectsError, install_command
 from igrip.objects.bop import bop_options
 from igrip.objects.mesh_files import TABLE, MeshFile, MeshOptions
+from igrip.objects.mesh_reader import read_text
 from igrip.settings import problem_of
 
 log = logging.getLogger(__name__)
 
 ENDINGS = ("ply", "stl", "obj", "off", "glb", "gltf", "3mf", "dae")
 PACKAGES = {"dae": "pycollada", "3mf": "lxml and networkx"}
-# folders that say how a mesh was made, not what it is
+# folders named after how a mesh was made, not after the object
 _VARIANTS = ("google_16k", "google_64k", "google_512k", "poisson", "tsdf", "models", "models_eval",
              "models_fine", "models_cad", "models_reconst", "visual", "meshes", "mesh", "collision",
              "clouds")  # fmt: skip
@@ -70,7 +71,7 @@ def folder_meshes(folder: Path) -> list[MeshFile]:
     described = {mesh.path for mesh in meshes.values()}
     for name, paths in by_name.items():
         if name in meshes or described & set(paths):
-            continue  # the table says which file has this name
+            continue  # the table declares which file has this name
         chosen = min(paths, key=_rank)
         if len(paths) > 1:
             others = ", ".join(str(p.relative_to(folder)) for p in paths if p != chosen)
@@ -113,7 +114,7 @@ def _named(folder: Path, files: Iterable[Path]) -> dict[str, list[Path]]:
     for (place, name), paths in groups.items():
         if (
             names.count(name) > 1 and place != folder
-        ):  # two objects: tell them apart by their folders
+        ):  # two objects: distinguish them by their folders
             name = normal((place.relative_to(folder) / name).as_posix())
         named.setdefault(name, []).extend(paths)
     return named
@@ -146,7 +147,7 @@ def _read_table(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        table = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ObjectsError(f"{path}: {error}") from error
     for name, entry in table.items():
@@ -188,7 +189,7 @@ def _file_of(
 
 def _needs(path: Path) -> str:
     package = PACKAGES.get(path.suffix.lower().lstrip("."), "a reader")
-    return f"reading {path.suffix.lower()} needs {package}: pip install 'igrip[meshes]'"
+    return f"reading {path.suffix.lower()} needs {package}: {install_command('meshes')}"
 
 
 def _no_mesh(folder: Path, unreadable: list[Path]) -> str:

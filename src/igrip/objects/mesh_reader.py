@@ -54,6 +54,17 @@ def read_mesh_file(path: Path) -> Any:
     return loaded
 
 
+def read_text(path: Path) -> str:
+    """Return a small text file in UTF-8 or UTF-16, with or without a byte order mark.
+
+    Raises
+    ------
+    OSError, UnicodeDecodeError
+        If it cannot be read, or is no such text.
+    """
+    return _as_utf8(path.read_bytes(), path.suffix).decode()
+
+
 def _as_utf8(data: bytes, ending: str) -> bytes:
     """Return a text without a byte order mark, in UTF-8; other bytes as they are."""
     if data.startswith(codecs.BOM_UTF8):
@@ -65,7 +76,7 @@ def _as_utf8(data: bytes, ending: str) -> bytes:
 
 
 def _gltf_header(data: bytes, ending: str) -> Mapping[str, Any]:
-    """Return the JSON of a glTF file; empty where there is none, which its reader will say."""
+    """Return the JSON of a glTF file; empty where there is none, which its reader will report."""
     if ending == ".glb":
         length = int.from_bytes(data[12:16], "little")
         data = data[20 : 20 + length]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.entities import ObjectPose
+from igrip.entities import ObjectPose, Vector
 from igrip.errors import ObjectsError, UnknownModelError
 from igrip.gating import Gate, GatingConfig
 from igrip.motion.filters import OneEuroConfig, PlacedPoint, PoseFilter
@@ -18,6 +19,7 @@ from igrip.settings import Settings, quantity
 Array = NDArray[np.float64]
 
 
+PATH_SPAN, PATH_STEP = 2.5, 0.03  # s; how much of an object's path is kept, and how finely; guesses
 MAX_MISS_DELAY = 0.15  # s; a detection that found nothing is no older, however late poses arrive
 
 
@@ -29,6 +31,10 @@ class ObjectConfig(Settings):
     rest_speed: float = quantity(
         0.05, "m/s", "a slower object rests: its speed is jitter of the pose", "guess", ge=0
     )
+    rest_distance: float = quantity(
+        0.03, "m", "an object that has kept within this distance for 2.5 s stands still: the reach "
+        "for it is not seen from it", "guess: jitter of a pose is half as large", ge=0,
+    )  # fmt: skip
 
 
 class ObjectTrack:
@@ -68,6 +74,7 @@ class ObjectTrack:
 
     def _reset(self) -> None:
         self._filter = PoseFilter(self._config.position, self._config.orientation)
+        self._path: deque[tuple[float, float, float, float]] = deque()
 
     @property
     def reason(self) -> str | None:
@@ -113,6 +120,28 @@ class ObjectTrack:
         self._static = pose.static
         self._delay = min(max(0.0, now - self.gate.newest), MAX_MISS_DELAY)
         self._filter.update(self.gate.newest, pose.position, pose.orientation)
+        self._keep(self.gate.newest, pose.position)
+
+    def _keep(self, t: float, position: Vector) -> None:
+        """Add a place to the path, unless it is as good as the last."""
+        path = self._path
+        if len(path) > 1 and t - path[-2][0] < PATH_STEP:
+            path.pop()
+        path.append((t, *position))
+        while t - path[0][0] > PATH_SPAN:
+            path.popleft()
+
+    @property
+    def path(self) -> Array | None:
+        """Rows t, x, y, z of the mesh's origin over the last 2.5 s, (n, 4) [s, m], world frame.
+
+        None for an object that stands still.
+        """
+        if self._static or len(self._path) < 2:
+            return None
+        path = np.array(self._path)
+        moved = np.ptp(path[:, 1:], axis=0).max() > self._config.rest_distance
+        return path if moved else None
 
     def miss(self, now: float, reason: str | None = None) -> None:
         """Note that the object was looked for and not detected, and why, if that is known.

@@ -83,7 +83,7 @@ def stable_poses(
             faces = rests[rests @ direction > np.cos(SNAP)]
             found.append((faces[0] if len(faces) else direction, probability))
     found.sort(key=lambda way: -way[1])
-    # people stand things up, however seldom they would fall so
+    # people stand objects up, however rarely these would fall that way
     found.sort(key=lambda way: way[0][2] >= -np.cos(SNAP))  # stable
     stands = found[0][0][2] < -np.cos(SNAP)
     kept = found[:1] + [way for way in found[1:] if way[1] >= min_probability]

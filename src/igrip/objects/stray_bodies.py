@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 FLAT = 0.02  # thickness of a plane in terms of its width
 LARGER = 2.0  # times that it is wider than all that stands on it
+APART = 0.5  # of the largest body's size: a gap between two bodies of one object is smaller
 
 
 def without_ground_plane(loaded: Any) -> tuple[trimesh.Trimesh | None, str | None]:
@@ -27,7 +29,7 @@ def without_ground_plane(loaded: Any) -> tuple[trimesh.Trimesh | None, str | Non
     trimesh.Trimesh or None
         None where there are no faces.
     str or None
-        What was left out.
+        What was left out, or lies far from the rest.
     """
     mesh = loaded.to_mesh() if isinstance(loaded, trimesh.Scene) and loaded.geometry else loaded
     if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
@@ -44,10 +46,25 @@ def without_ground_plane(loaded: Any) -> tuple[trimesh.Trimesh | None, str | Non
     others = np.setdiff1d(np.arange(len(mesh.faces)), widest)
     rest = float(np.max(_extent(mesh, others)))
     if not (size[0] <= FLAT * size[1] and size[1] >= LARGER * rest and rest > 0.0):
-        return mesh, None
+        return mesh, _stray(mesh, groups)
     kept = mesh.submesh([others], append=True, repair=False)
     sizes = " × ".join(f"{value:.3g}" for value in size[::-1])
     return kept, f"a flat body of {sizes} in its units, like a ground plane, was left out"
+
+
+def _stray(mesh: trimesh.Trimesh, groups: Sequence[NDArray[np.int64]]) -> str | None:
+    """Return a remark on bodies that lie far from the largest one; None without any."""
+    corners = [mesh.vertices[mesh.faces[faces]].reshape(-1, 3) for faces in groups]
+    low, high = (np.array([bound(c, axis=0) for c in corners]) for bound in (np.min, np.max))
+    largest = int(np.argmax(np.max(high - low, axis=1)))
+    gaps = np.maximum(low - high[largest], low[largest] - high).max(axis=1)
+    far = gaps > APART * float(np.max(high[largest] - low[largest]))
+    if not far.any():
+        return None
+    return (
+        f"{int(far.sum())} of its {len(groups)} bodies lie apart from the largest, up to "
+        f"{float(gaps.max()):.3g} in its units: if they do not belong to it, delete them"
+    )
 
 
 def _adjacency(mesh: trimesh.Trimesh) -> NDArray[np.int64]:

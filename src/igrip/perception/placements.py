@@ -30,7 +30,7 @@ class Placement(NamedTuple):
         How many were used.
     depth_ratio : float or None
         Measured depth of the board over that of the fit: 1 where the tags have the size they are
-        said to have. None: the camera has no depth.
+        assumed to have. None: the camera has no depth.
     """
 
     world_from_camera: Array

@@ -4,9 +4,10 @@ The delay of a message, arrival minus the sender's time, is the offset plus a ti
 is never negative. So the offset is the lower envelope of the delays: the minimum filter of NTP
 (Mills 1991, IEEE Transactions on Communications 39(10)), which here may rise as fast as clocks
 drift; the drift is the Theil-Sen slope of the minima of blocks (after Moon, Skelly & Towsley 1999,
-INFOCOM). A delay that grows is age, however long it lasts: it cannot be told from the way of the
-message. A clock that was set shows in the sender's own intervals, which are irregular where those
-of arrival are not; as in NTP, the new time is believed only after several messages agree on it.
+INFOCOM). A delay that grows is age, however long it lasts: it cannot be distinguished from the way
+of the message. A clock that was set shows in the sender's own intervals, which are irregular where
+those of arrival are not; as in NTP, the new time is believed only after several messages agree on
+it.
 """
 
 from __future__ import annotations
@@ -137,7 +138,7 @@ class ClockOffset:
                 return StepCandidate("ahead", message, -shift, shift)
             return None
         before = min(list(self._residuals)[-RECENT:], default=0.0)
-        missing = missing_interval(interval, period, spread)
+        missing = missing_interval(interval, period, spread) or self._below_all(interval)
         if missing >= MIN_STEP and shift - before >= 0.5 * missing:
             return StepCandidate("back", message, missing, shift)
         if interval >= max(PAUSE, 5.0 * (period or 0.0)) and shift - before >= MIN_LATE:
@@ -206,6 +207,15 @@ class ClockOffset:
         period = steps[len(steps) // 4]
         off = sorted(abs(step - period * max(1, round(step / period))) for step in steps)
         return period, off[len(off) // 2]
+
+    def _below_all(self, interval: float) -> float:
+        """Return by how much an interval is shorter than all others [s]; 0: it is not by far.
+
+        Of an irregular sender it is the only sign of a step back by about one period.
+        """
+        least = min(self._intervals, default=0.0)
+        many = len(self._intervals) >= INTERVALS[1] // 2
+        return least - interval if many and interval < 0.5 * least else 0.0
 
     def _begin_rate(self) -> None:
         self._sent_span = self._arrived_span = 0.0

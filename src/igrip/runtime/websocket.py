@@ -169,7 +169,7 @@ class WebSocketServer:
             await self._stop.wait()
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Answer requests that do not become a connection."""
+        """Respond to requests that do not become a connection."""
         path = urlsplit(request.path).path
         refusal = self._access.refusal(request.path, request.headers)
         if refusal is not None:

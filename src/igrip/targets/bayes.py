@@ -31,7 +31,7 @@ REST_TIME_CONSTANT = 1.0  # s; decay of the posterior of a resting hand; guess
 MIN_NONE_AT_REST = 0.4  # probability of none of a resting hand: it may be about to reach; guess
 MAX_REST_STEP = 0.1  # s; a longer gap between two samples counts as this, since it was not observed
 MAX_NONE = 0.97  # a moving hand has no target if none is likelier than this
-FLOOR = 1e-6  # probability that all objects keep together: none is ever ruled out for good
+FLOOR = 1e-6  # probability that all objects keep together: none is ever ruled out permanently
 
 
 @kernel

@@ -5,26 +5,28 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.errors import requires_extra
 from igrip.runtime.mailbox import Mailbox
 from igrip.viewer.overlay import CameraView, draw_overlay
+from igrip.viewer.server import Viewer
 
 log = logging.getLogger(__name__)
 INTERVAL = 0.1  # s between two pictures: a page needs no more, and encoding takes time of a core
+WIDTH = 960  # pixels
+QUALITY = 85  # of a JPEG picture, of 100
 
 
 class CameraPanel:
-    """Pictures of one or several cameras on the page of a viser server, above a table."""
+    """Pictures of one or several cameras on the page, and a table of the detectors below."""
 
-    def __init__(self, server: Any) -> None:
-        self._gui = server.gui
-        self._images: dict[str, Any] = {}
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer = viewer
         self._views: Mailbox[dict[str, CameraView]] = Mailbox()
-        self._table = self._gui.add_markdown("")
         self.drawn = 0
         self._thread = threading.Thread(target=self._run, name="igrip-picture", daemon=True)
         self._thread.start()
@@ -33,9 +35,9 @@ class CameraPanel:
         """Show the newest view of each camera; never blocks."""
         self._views.put(views)
 
-    def set_table(self, markdown: str) -> None:
-        """Show a table below the pictures."""
-        self._table.content = markdown
+    def set_table(self, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+        """Show a table of the stages."""
+        self._viewer.publish("stages", {"columns": list(columns), "rows": [*map(list, rows)]})
 
     def close(self) -> None:
         """Stop drawing."""
@@ -47,16 +49,19 @@ class CameraPanel:
             views = self._views.get()
             if views is None:
                 continue
+            looks = self._viewer.looks.numbers()
             try:
                 for camera, view in sorted(views.items()):
-                    self._draw(camera, draw_overlay(view))
+                    self._publish(camera, draw_overlay(view, WIDTH, looks))
                 self.drawn += 1
             except Exception:  # a picture that cannot be drawn must not end the page
                 log.exception("a picture was not drawn")
             time.sleep(INTERVAL)
 
-    def _draw(self, camera: str, picture: NDArray[np.uint8]) -> None:
-        if camera not in self._images:
-            self._images[camera] = self._gui.add_image(picture, label=camera, format="jpeg")
-        else:
-            self._images[camera].image = picture
+    def _publish(self, camera: str, picture: NDArray[np.uint8]) -> None:
+        with requires_extra("opencv-python-headless", "hands", "the picture of a camera"):
+            import cv2
+        options = [cv2.IMWRITE_JPEG_QUALITY, QUALITY]
+        _, data = cv2.imencode(".jpg", np.ascontiguousarray(picture[..., ::-1]), options)
+        self._viewer.add_resource(f"/picture/{camera}", "image/jpeg", data.tobytes())
+        self._viewer.publish("picture", {"camera": camera, "number": self.drawn}, key=camera)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-import trimesh
 
 from igrip.objects.model import ObjectModel
 from igrip.viewer.grip_zones import PALMAR, PINCH, grip_zones
-from igrip.viewer.server import Page, plain
+from igrip.viewer.page_messages import encode_mesh
+from igrip.viewer.server import Viewer
 
 GAP = 0.08  # between two objects [m]
+PALMAR_HEX, PINCH_HEX = ("#{:02x}{:02x}{:02x}".format(*colour) for colour in (PALMAR, PINCH))
 
 
-class GripPage(Page):
+class GripPage(Viewer):
     """A page with objects in a row, painted by the grip of a hand beside them.
 
     ``pinch_from`` is the border of the pinch zone, in half-lengths of the bounding cylinder.
@@ -28,39 +30,53 @@ class GripPage(Page):
         port: int = 8080,
     ) -> None:
         super().__init__(host, port)
-        scene = self.server.scene
-        scene.set_up_direction("+z")
+        self.set_up(mode="static")
         widths = [2.0 * model.radius + GAP for model in models]
         left = -0.5 * sum(widths)
-        rows = ["| object | half-length | pinch beyond |", "| --- | --- | --- |"]
-        for model, width in zip(models, widths, strict=True):
-            self._draw(model, pinch_from, left + 0.5 * width)
+        objects: list[dict[str, Any]] = []
+        lines: list[dict[str, Any]] = []
+        rows = []
+        for k, (model, width) in enumerate(zip(models, widths, strict=True)):
+            x = left + 0.5 * width
             left += width
-            half = 500.0 * model.length
-            rows.append(f"| {plain(model.name)} | {half:.1f} mm | ±{pinch_from * half:.1f} mm |")
-        self.server.initial_camera.position = (0.06, -0.75 * max(0.5, sum(widths)), 0.18)
-        self.server.initial_camera.look_at = (0.06, 0.0, 0.0)
-        self.server.gui.add_markdown(
-            "### Grip by height\nA hand beside the blue part takes a palmar grip; beside the "
-            "magenta part, or beyond it, a pinch. Grey: the bounding cylinder; red: its axis z.\n\n"
-            + "\n".join(rows)
-        )
+            objects += self._paint(model, pinch_from, x, 2 * k)
+            half = 0.5 * model.length
+            border = pinch_from * half
+            lines.append({"colour": "#d02020", "points": [x, 0, 0, x, 0, 1.35 * half]})
+            lines.append({"colour": "#5b6672", "points": _outline(x, model.radius, half)})
+            rows.append([model.name, f"{1e3 * half:.1f} mm", f"±{1e3 * border:.1f} mm"])
+        scene = {"t": 0.0, "objects": objects, "hands": [], "rows": [], "lines": lines}
+        self.publish("scene", scene)
+        columns = ["object", "half-length", "pinch beyond"]
+        self.publish("borders", {"columns": columns, "rows": rows})
+        text = "a hand beside the blue part takes a palmar grip, beside the magenta one a pinch"
+        self.note("Grip by height", text)
 
-    def _draw(self, model: ObjectModel, pinch_from: float, x: float) -> None:
-        """Draw one object upright on its cylinder axis, its middle at z = 0."""
-        half = 0.5 * model.length
+    def _paint(
+        self, model: ObjectModel, pinch_from: float, x: float, number: int
+    ) -> list[dict[str, Any]]:
+        """Return one object upright on its cylinder axis, its middle at z = 0, in two parts."""
         zones = grip_zones(model, pinch_from)
-        colours = np.where(zones.pinch[:, None], PINCH, PALMAR).astype(np.uint8)
-        mesh = trimesh.Trimesh(zones.vertices, zones.faces, face_colors=colours, process=False)
-        scene, name = self.server.scene, f"/at {x:.4f}"
-        scene.add_mesh_trimesh(f"{name}/mesh", mesh, position=(x, 0.0, 0.0))
-        scene.add_cylinder(
-            f"{name}/cylinder", radius=model.radius, height=model.length, color=(130, 130, 130),
-            opacity=0.18, cast_shadow=False, position=(x, 0.0, 0.0),
-        )  # fmt: skip
-        top = 1.35 * half
-        scene.add_line_segments(
-            f"{name}/axis", np.array([[[x, 0.0, 0.0], [x, 0.0, top]]], np.float32), (208, 32, 32),
-            thickness=2.0, thickness_units="screen",
-        )  # fmt: skip
-        scene.add_label(f"{name}/label", model.name, position=(x, 0.0, top), anchor="bottom-center")
+        half = 0.5 * model.length
+        parts = []
+        for k, (pinch, colour) in enumerate(((False, PALMAR_HEX), (True, PINCH_HEX))):
+            faces = zones.faces[zones.pinch == pinch]
+            if not len(faces):
+                continue
+            data = encode_mesh(zones.vertices, faces)
+            self.add_resource(f"/mesh/{number + k}", "application/octet-stream", data)
+            parts.append({
+                "id": model.name, "mesh": number + k, "colour": colour, "label": not pinch,
+                "position": [x, 0.0, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0],
+                "top": [x, 0.0, 1.4 * half], "centre": [x, 0.0, 0.0],
+                "radius": float(np.hypot(half, model.radius)),
+            })  # fmt: skip
+        return parts
+
+
+def _outline(x: float, radius: float, half: float) -> list[float]:
+    """Return the outline of the cylinder, seen from the side, as segments."""
+    low, high = x - radius, x + radius
+    corners = [(low, -half), (high, -half), (high, half), (low, half)]
+    ends = zip(corners, corners[1:] + corners[:1], strict=True)
+    return [value for a, b in ends for value in (a[0], 0.0, a[1], b[0], 0.0, b[1])]

@@ -8,21 +8,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.describe import describe
+from igrip.describe import describe, headline
 from igrip.errors import requires_extra
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
 from igrip.perception.hands import PALM
 from igrip.rgbd import RgbdFrame
-from igrip.viewer.drawing import HANDS, TARGET
+from igrip.viewer.palette import INK, PAPER, colour_of, letter_of, rgb
 
 Array = NDArray[np.float64]
+Colour = tuple[int, int, int]
 BONES = (
     (0, 1), (1, 2), (2, 3), (3, 4), (0, 5), (5, 6), (6, 7), (7, 8), (5, 9), (9, 10), (10, 11),
     (11, 12), (9, 13), (13, 14), (14, 15), (15, 16), (13, 17), (17, 18), (18, 19), (19, 20),
     (0, 17),
 )  # fmt: skip
-OTHER, OUTLINE, INK, PAPER = (120, 120, 120), (240, 200, 70), (255, 255, 255), (30, 30, 30)
+DARK, LIGHT = rgb(INK), rgb(PAPER)
 MIN_DEPTH = 0.05  # m; nearer objects have no outline
 
 
@@ -45,11 +46,19 @@ class CameraView(NamedTuple):
     intentions: Sequence[Intention]
 
 
-def draw_overlay(view: CameraView, width: int = 640) -> NDArray[np.uint8]:
+def draw_overlay(
+    view: CameraView, width: int = 640, looks: Mapping[str, int] | None = None
+) -> NDArray[np.uint8]:
     """Return a frame's colour picture with landmarks, outlines, targets and grips drawn over it.
 
-    Its shape is (h, width, 3), red, green, blue. It raises :class:`MissingExtraError` if OpenCV is
-    not installed.
+    Each object has the colour and letter of its number in ``looks``, by default that of its place
+    among the names. A target has a thick dark outline around its own. The shape is (h, width, 3),
+    red, green, blue.
+
+    Raises
+    ------
+    MissingExtraError
+        If OpenCV is not installed.
     """
     frame, landmarks, objects, intentions = view
     with requires_extra("opencv-python-headless", "hands", "the overlay"):
@@ -57,19 +66,30 @@ def draw_overlay(view: CameraView, width: int = 640) -> NDArray[np.uint8]:
     scale = width / frame.intrinsics.width
     size = (width, max(1, round(scale * frame.intrinsics.height)))
     picture = cv2.resize(frame.colour, size, interpolation=cv2.INTER_AREA)
-    targets = {i.target for i in intentions if i.target and i.status in ("reaching", "holding")}
+    labels: list[_Label] = []
+    targets = {headline(intention).target for intention in intentions}
+    if looks is None:
+        looks = {id: k for k, id in enumerate(sorted(placed.id for placed in objects))}
     for placed in objects:
         outline = outline_of(frame, placed)
         if outline is None:
             continue
-        chosen = placed.id in targets
+        number = looks.get(placed.id, 0)
         corners = np.round(scale * outline).astype(np.int32)
-        colour = TARGET if chosen else OUTLINE
-        cv2.polylines(picture, [corners], True, colour, 3 if chosen else 1, cv2.LINE_AA)
-        _write(cv2, picture, placed.id, corners[np.argmin(corners[:, 1])] - [0, 6], colour)
+        if placed.id in targets:
+            cv2.polylines(picture, [corners], True, DARK, 11, cv2.LINE_AA)
+            cv2.polylines(picture, [corners], True, LIGHT, 7, cv2.LINE_AA)
+        cv2.polylines(picture, [corners], True, rgb(colour_of(number)), 3, cv2.LINE_AA)
+        name = f"{letter_of(number)} {placed.id}"
+        top = corners[np.argmin(corners[:, 1])] - [0, 6]
+        labels.append(_Label(name, top, DARK, LIGHT, rgb(colour_of(number))))
     by_hand = {intention.hand: intention for intention in intentions}
     for id, points in landmarks.items():
-        _draw_hand(cv2, picture, id, scale * points, by_hand.get(id))
+        palm = _draw_hand(cv2, picture, scale * points)
+        intention = by_hand.get(id)
+        said = f"{id} hand" if intention is None else describe(intention)
+        labels.insert(0, _Label(said, palm + [10, -10], LIGHT, DARK, LIGHT))
+    _write(cv2, picture, labels)  # over everything; what a hand does has the place it wants
     drawn: NDArray[np.uint8] = picture
     return drawn
 
@@ -97,29 +117,76 @@ def outline_of(frame: RgbdFrame, placed: PlacedObject) -> Array | None:
         return None
 
 
-def _draw_hand(
-    cv2: Any, picture: NDArray[np.uint8], id: str, points: Array, intention: Intention | None
-) -> None:
-    colour = HANDS.get(id.rpartition("/")[2], OTHER)
+def _draw_hand(cv2: Any, picture: NDArray[np.uint8], points: Array) -> NDArray[Any]:
+    """Draw landmarks and palm; return the pixel of the palm."""
     corners = np.round(points).astype(int).tolist()
-    for a, b in BONES:
-        cv2.line(picture, corners[a], corners[b], colour, 2, cv2.LINE_AA)
+    for colour, width in ((LIGHT, 5), (DARK, 2)):
+        for a, b in BONES:
+            cv2.line(picture, corners[a], corners[b], colour, width, cv2.LINE_AA)
     for corner in corners:
-        cv2.circle(picture, corner, 3, INK, -1, cv2.LINE_AA)
-    palm = np.round(points[list(PALM)].mean(axis=0)).astype(int)
-    cv2.circle(picture, palm.tolist(), 6, colour, -1, cv2.LINE_AA)
-    label = id if intention is None else describe(intention)
-    _write(cv2, picture, label, palm + [10, -10], colour)
+        cv2.circle(picture, corner, 4, DARK, -1, cv2.LINE_AA)
+        cv2.circle(picture, corner, 3, LIGHT, -1, cv2.LINE_AA)
+    palm: NDArray[Any] = np.round(points[list(PALM)].mean(axis=0)).astype(int)
+    cv2.circle(picture, palm.tolist(), 7, DARK, -1, cv2.LINE_AA)
+    return palm
 
 
-def _write(
-    cv2: Any, picture: NDArray[np.uint8], text: str, at: Array, colour: tuple[int, int, int]
-) -> None:
-    """Write a line inside the picture, on a dark background."""
-    text = text.encode("ascii", "replace").decode()[:90]
-    font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.45
-    (wide, high), below = cv2.getTextSize(text, font, size, 1)
-    x = int(np.clip(at[0], 0, max(0, picture.shape[1] - wide)))
-    y = int(np.clip(at[1], high, picture.shape[0] - below))
-    cv2.rectangle(picture, (x, y - high - 2), (x + wide, y + below), PAPER, -1)
-    cv2.putText(picture, text, (x, y), font, size, colour, 1, cv2.LINE_AA)
+class _Label(NamedTuple):
+    text: str
+    at: NDArray[Any]  # lower left corner of the text [pixels]
+    ink: Colour
+    paper: Colour
+    border: Colour
+
+
+class Box(NamedTuple):
+    """A rectangle of pixels; its ends are not part of it."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+    def overlaps(self, other: Box) -> bool:
+        """Whether two rectangles share a pixel."""
+        across = self.left < other.right and other.left < self.right
+        return across and self.top < other.bottom and other.top < self.bottom
+
+
+def place_boxes(boxes: Sequence[Box], width: int, height: int) -> list[Box]:
+    """Move rectangles into a picture, and each above or below earlier ones that it would cover.
+
+    One that finds no room stays where it covers others.
+    """
+    placed: list[Box] = []
+    for wanted in boxes:
+        wide, high = wanted.right - wanted.left, wanted.bottom - wanted.top
+        left = max(0, min(wanted.left, width - wide))
+        first = max(0, min(wanted.top, height - high))
+        tops = [first, *(t for box in placed for t in (box.top - high, box.bottom))]
+        tops = [top for top in tops if 0 <= top <= height - high] or [first]
+        found = [Box(left, top, left + wide, top + high) for top in tops]
+        free = [box for box in found if not any(map(box.overlaps, placed))] or found
+        placed.append(min(free, key=lambda box: abs(box.top - first)))
+    return placed
+
+
+def _write(cv2: Any, picture: NDArray[np.uint8], labels: Sequence[_Label]) -> None:
+    """Write lines inside the picture, each on a background of its own."""
+    font, size, margin = cv2.FONT_HERSHEY_SIMPLEX, 0.55, 4
+    height, width = picture.shape[:2]
+    texts, boxes = [], []
+    for label in labels:
+        text = label.text.encode("ascii", "replace").decode()
+        while (wide := cv2.getTextSize(text, font, size, 1)[0][0]) > width - 2 * margin:
+            text = text[: min(len(text) - 4, len(text) * width // wide)] + "..."
+        (wide, high), below = cv2.getTextSize(text, font, size, 1)
+        x, y = label.at.tolist()
+        texts.append(text)
+        boxes.append(Box(x - margin, y - high - margin, x + wide + margin, y + below + margin))
+    for label, text, box in zip(labels, texts, place_boxes(boxes, width, height), strict=True):
+        below = cv2.getTextSize(text, font, size, 1)[1]
+        cv2.rectangle(picture, box[:2], (box.right - 1, box.bottom - 1), label.paper, -1)
+        cv2.rectangle(picture, box[:2], (box.right - 1, box.bottom - 1), label.border, 2)
+        foot = (box.left + margin, box.bottom - below - margin)
+        cv2.putText(picture, text, foot, font, size, label.ink, 1, cv2.LINE_AA)

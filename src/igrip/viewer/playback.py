@@ -7,9 +7,11 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from igrip.config import Config
+from igrip.describe import headline
+from igrip.errors import IgripError
 from igrip.estimator import Estimator
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
@@ -18,6 +20,9 @@ from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import Snapshot, take_snapshot
 
 RATE = 30.0  # drawings per second
+LEAD = 0.5  # s before the first decision, where playback begins
+R = TypeVar("R")
+S = TypeVar("S")
 
 
 def replay_snapshots(
@@ -47,6 +52,7 @@ class Playhead:
         self.index = 0
         self.playing = False
         self.speed = 1.0
+        self.repeat = False
         self._t = times[0]
 
     def play(self) -> None:
@@ -71,16 +77,19 @@ class Playhead:
         self.index = bisect.bisect_right(self._times, self._t) - 1
 
     def tick(self, dt: float) -> None:
-        """Let ``dt`` seconds pass; pause at the end."""
+        """Let ``dt`` seconds pass; at the end pause, or begin again."""
         if not self.playing:
             return
+        if self.repeat and self.index == len(self._times) - 1:
+            self.seek(self._times[0])
+            return
         self.seek(self._t + dt * self.speed)
-        if self.index == len(self._times) - 1:
+        if self.index == len(self._times) - 1 and not self.repeat:
             self.pause()
 
 
 class Player:
-    """Controls on the page that play the snapshots of a recording, at least one."""
+    """Plays the snapshots of a recording, at least one, as people at the pages ask."""
 
     def __init__(self, viewer: Viewer, snapshots: Sequence[Snapshot]) -> None:
         self._viewer = viewer
@@ -88,27 +97,29 @@ class Player:
         self._snapshots = snapshots
         self.head = Playhead([snapshot.t for snapshot in snapshots])
         self._shown: tuple[int, int] | None = None  # which snapshots, and which of them
-        gui = viewer.server.gui
-        with gui.add_folder("Recording", order=-1.0):
-            self._button = gui.add_button("Play")
-            steps = gui.add_button_group("step", ("|<", "<", ">", ">|"))
-            first, last = snapshots[0].t, snapshots[-1].t
-            self._slider = gui.add_slider(
-                "t [s]", min=first, max=max(last, first + 1e-3), step=1e-3, initial_value=first
-            )
-            speed = gui.add_dropdown("speed", ("0.1", "0.25", "0.5", "1", "2"), initial_value="1")
-        self._button.on_click(lambda _: self._toggle())
-        steps.on_click(lambda event: self._step(event.target.value))
-        self._slider.on_update(self._on_slider)
-        speed.on_update(lambda _: self._set_speed(float(speed.value)))
+        self._published: dict[str, Any] | None = None
+        self._waits = True  # for the first page, to begin
+        viewer.set_up(mode="recording")
+        viewer.show_recording(snapshots)
+        for name, handler in (
+            ("play", self._play), ("step", self._step), ("seek", self._seek),
+            ("speed", self._set_speed), ("repeat", self._set_repeat), ("opened_page", self._begin),
+        ):  # fmt: skip
+            viewer.handle(name, handler)
 
-    def replace(self, snapshots: Sequence[Snapshot]) -> None:
-        """Play other snapshots of the same recording, from the current time on."""
+    def replace(self, snapshots: Sequence[Snapshot], anew: bool = False) -> None:
+        """Play other snapshots: of the same recording from the current time on, or ``anew``."""
         with self._lock:
             head = Playhead([snapshot.t for snapshot in snapshots])
-            head.speed, head.playing = self.head.speed, self.head.playing
-            head.seek(self._snapshots[self.head.index].t)
+            head.speed, head.repeat = self.head.speed, self.head.repeat
+            if anew:
+                head.seek(first_decision(snapshots))
+                head.playing = True
+            else:
+                head.playing = self.head.playing
+                head.seek(self._snapshots[self.head.index].t)
             self._snapshots, self.head, self._shown = snapshots, head, None
+        self._viewer.show_recording(snapshots)
 
     def run(self, until: Callable[[], bool] = lambda: False) -> None:
         """Play until the function returns True, by default for ever."""
@@ -118,70 +129,100 @@ class Player:
             now = time.monotonic()
             with self._lock:
                 self.head.tick(now - before)
-                snapshots, index, playing = self._snapshots, self.head.index, self.head.playing
+                head, snapshots = self.head, self._snapshots
+                index = head.index
+                state = {
+                    "begin": snapshots[0].t, "end": snapshots[-1].t, "playing": head.playing,
+                    "speed": head.speed, "repeat": head.repeat,
+                }  # fmt: skip
             before = now
-            label = "Pause" if playing else "Play"
-            if self._button.label != label:
-                self._button.label = label
+            if state != self._published:
+                self._published = state
+                self._viewer.publish("player", state)
             if self._shown != (id(snapshots), index):
                 self._shown = (id(snapshots), index)
-                self._viewer.show_replay(snapshots, index)
-                self._slider.value = round(snapshots[index].t, 3)
+                self._viewer.show_moment(snapshots[index])
 
-    def _toggle(self) -> None:
+    def _begin(self, _: Any) -> None:
+        """Begin to play where there is something to see, once the first page is open."""
         with self._lock:
-            if self.head.playing:
-                self.head.pause()
-            else:
+            if self._waits and not self.head.playing:
+                self.head.seek(first_decision(self._snapshots))
+                self.head.playing = True
+            self._waits = False
+
+    def _play(self, play: Any) -> None:
+        with self._lock:
+            self._waits = False
+            if play:
                 self.head.play()
-
-    def _step(self, button: str) -> None:
-        with self._lock:
-            count = len(self._snapshots)
-            self.head.step({"|<": -count, "<": -1, ">": 1, ">|": count}[button])
-
-    def _set_speed(self, speed: float) -> None:
-        with self._lock:
-            self.head.speed = speed
-
-    def _on_slider(self, event: Any) -> None:
-        if event.client is not None:  # moved by a person, not by the playback
-            with self._lock:
+            else:
                 self.head.pause()
-                self.head.seek(float(self._slider.value) + 5e-4)
+
+    def _step(self, count: Any) -> None:
+        with self._lock:
+            self.head.step(int(count))
+
+    def _seek(self, t: Any) -> None:
+        with self._lock:
+            self.head.pause()
+            self.head.seek(float(t) + 5e-4)  # the page's times are rounded
+
+    def _set_speed(self, speed: Any) -> None:
+        with self._lock:
+            self.head.speed = min(max(float(speed), 0.01), 100.0)
+
+    def _set_repeat(self, repeat: Any) -> None:
+        with self._lock:
+            self.head.repeat = bool(repeat)
 
 
-class ReplayWorker:
-    """Replays a recording with the estimator that was requested last, in a thread of its own.
+def first_decision(snapshots: Sequence[Snapshot]) -> float:
+    """Return a time shortly before a hand first reaches for an object, or else moves, or begins."""
+    for condition in (
+        lambda intention: headline(intention).target is not None,
+        lambda intention: intention.status == "reaching",
+    ):
+        for snapshot in snapshots:
+            if any(condition(hand.intention) for hand in snapshot.hands):
+                return max(snapshots[0].t, snapshot.t - LEAD)
+    return snapshots[0].t
 
-    ``replay`` leads from the name of an estimator to the snapshots of the recording.
+
+class ReplayWorker(Generic[R, S]):
+    """Works on what was requested last, in a thread of its own.
+
+    ``replay`` leads from a request, such as a trial and an estimator, to what is to be shown.
     """
 
-    def __init__(self, replay: Callable[[str], Sequence[Snapshot]]) -> None:
+    def __init__(self, replay: Callable[[R], S]) -> None:
         self._replay = replay
-        self._requested: Mailbox[str] = Mailbox()
+        self._requested: Mailbox[R] = Mailbox()
 
-    def request(self, name: str) -> None:
-        """Request a replay with another estimator; never blocks."""
-        self._requested.put(name)
+    def request(self, item: R) -> None:
+        """Request it; never blocks."""
+        self._requested.put(item)
 
     def start(
-        self,
-        on_replayed: Callable[[Sequence[Snapshot]], None],
-        on_status: Callable[[str], None],
-    ) -> None:
-        """Start working; the functions get the snapshots and a line about the progress."""
+        self, on_replayed: Callable[[R, S], None], on_status: Callable[[str], None]
+    ) -> None:  # fmt: skip
+        """Start working; the functions get the results, and a line about the progress."""
 
         def work() -> None:
-            name = self._requested.get()
-            while name is not None:
-                on_status(f"running {name} …")
-                snapshots = self._replay(name)
+            item = self._requested.get()
+            while item is not None:
+                on_status(f"running {item} …")
+                try:
+                    result = self._replay(item)
+                except IgripError as error:
+                    on_status(str(error))
+                    item = self._requested.get()
+                    continue
                 newer = self._requested.get(timeout=0.0)
                 if newer is None:
-                    on_replayed(snapshots)
-                    on_status(f"by {name}")
+                    on_replayed(item, result)
+                    on_status(str(item))
                     newer = self._requested.get()
-                name = newer
+                item = newer
 
         threading.Thread(target=work, daemon=True).start()

@@ -1,98 +1,63 @@
-"""The page in the browser, by viser: the scene and the estimates, drawn beside the estimator.
+"""The page in the browser: what igrip thinks of each hand, drawn beside the estimator.
 
 The estimator hands over one snapshot at a time and never waits: while one is drawn, newer ones
-replace each other, and those replaced are counted as dropped.
+replace each other, and those replaced are counted as dropped. What was decided for each hand is
+kept of every snapshot, so that the charts have no holes.
 """
 
 from __future__ import annotations
 
 import logging
-import re
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from html import escape
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import rich
-
-from igrip.describe import describe
 from igrip.errors import requires_extra
+from igrip.geometry.scene import PlacedObject
 from igrip.runtime.mailbox import Mailbox
-from igrip.viewer.display_options import DisplayOptions
-from igrip.viewer.drawing import SceneDrawing
+from igrip.runtime.protocol import ACTIONS, Command
+from igrip.targets import TARGETS
+from igrip.version import __version__
+from igrip.viewer.page_messages import encode_mesh, row_of_hand, scene_of
+from igrip.viewer.palette import Looks
 from igrip.viewer.snapshot import Snapshot
-from igrip.viewer.time_courses import CoursesPanels, courses_of
 
 log = logging.getLogger(__name__)
 
-HISTORY = 10.0  # seconds of time courses
-MAX_SNAPSHOTS = 1000  # kept for the time courses, whatever the rate
-COURSES_INTERVAL = 0.25  # seconds between two drawings of the time courses
-KEY = (
-    "Large spheres: hands. Small red ones: where a hand was; green: where it is expected in the "
-    "next 0.3 s. Lines: rays towards the target; magenta: where they meet it."
-)
+LIVE_ROWS = 2000  # kept for a page that is opened later
+MAX_PENDING = 10_000  # rows that wait to be sent
+INTERVAL = 1.0 / 30.0  # s between two drawings
 
 
-class Page:
-    """A page served by viser in the project's style.
+class Viewer:
+    """The page: sentences, probabilities, leases, the scene and the charts.
 
     Parameters
     ----------
     host, port : str, int
-        Address to listen on; if the port is not free, the next free one is used.
-
-    Attributes
-    ----------
-    server : viser.ViserServer
-        To add controls.
-
-    Raises
-    ------
-    MissingExtraError
-        If viser is not installed.
-    """
-
-    def __init__(self, host: str = "127.0.0.1", port: int = 8080) -> None:
-        with requires_extra("viser", "viewer", "the scene in the browser"):
-            import viser
-        with quiet():
-            self.server: Any = viser.ViserServer(host, port, label="igrip", verbose=False)
-        gui = self.server.gui
-        gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
-        gui.set_panel_label("igrip")
-
-    @property
-    def url(self) -> str:
-        """Address of the page."""
-        return f"http://localhost:{self.server.get_port()}"
-
-    def close(self) -> None:
-        """Close the page's server."""
-        with quiet():
-            self.server.stop()
-
-
-class Viewer(Page):
-    """A page with the scene and the time courses.
-
-    Parameters
-    ----------
-    host, port : str, int
-        As of :class:`Page`.
+        Address to listen on; port 0: any that is free.
     targets : str, optional
         Name of the current estimator.
     choose_targets : function, optional
         Called, from another thread, with the name of the estimator that a person chooses on the
         page. Without it the estimator cannot be changed.
+    on_command : function, optional
+        Called, from another thread, with the commands about leases that a person gives (veto,
+        confirm). Without it the page has no such buttons.
 
     Attributes
     ----------
     drawn : int
-        Snapshots that were drawn, some of them again after a change of the options.
+        Snapshots that were drawn.
+    looks : Looks
+        The letters and colours of the objects.
+
+    Raises
+    ------
+    MissingExtraError
+        If a package for the page is not installed.
     """
 
     def __init__(
@@ -101,21 +66,33 @@ class Viewer(Page):
         port: int = 8080,
         targets: str | None = None,
         choose_targets: Callable[[str], None] | None = None,
+        on_command: Callable[[Command], None] | None = None,
     ) -> None:
-        super().__init__(host, port)
+        with requires_extra("websockets", "viewer", "the page in the browser"):
+            from igrip.viewer.page_server import PageServer
+        self._choose_targets, self._on_command = choose_targets, on_command
+        self._handlers: dict[str, Callable[[Any], None]] = {}
+        self._setup: dict[str, Any] = {
+            "version": __version__, "mode": "live", "targets": targets,
+            "choices": list(TARGETS.names()) if targets and choose_targets else [],
+            "commands": list(ACTIONS) if on_command else [],
+        }  # fmt: skip
         self._waiting: Mailbox[Snapshot] = Mailbox()
-        self._history: deque[Snapshot] = deque(maxlen=MAX_SNAPSHOTS)
-        self._lock = threading.Lock()  # of the history; its last snapshot is the newest
-        self.drawn = 0
-        gui = self.server.gui
-        self._note = gui.add_markdown("")
-        self._summary = gui.add_markdown("*no hand yet*")
-        self._drawing = SceneDrawing(self.server)
-        self._options = DisplayOptions(self.server, targets, choose_targets, self._redraw)
-        self._courses = CoursesPanels(self.server)
-        gui.add_markdown(KEY)
+        self._pending: deque[dict[str, Any]] = deque(maxlen=MAX_PENDING)
+        self._lock = threading.Lock()  # of what is pending
+        self._restart = False
+        self._last_t = float("-inf")
+        self._meshes: dict[str, int] = {}
+        self.drawn, self.looks = 0, Looks()
+        self._server = PageServer(host, port, self._receive)
+        self._server.publish("setup", self._setup)
         self._thread = threading.Thread(target=self._run, name="igrip-viewer", daemon=True)
         self._thread.start()
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return self._server.url
 
     @property
     def dropped(self) -> int:
@@ -125,100 +102,115 @@ class Viewer(Page):
     def show(self, snapshot: Snapshot) -> None:
         """Show the newest snapshot; never blocks."""
         with self._lock:
-            if self._history and snapshot.t < self._history[-1].t:
-                self._history.clear()
-            self._history.append(snapshot)
-            while snapshot.t - self._history[0].t > HISTORY:
-                self._history.popleft()
-            self._waiting.put(snapshot)
+            if snapshot.t < self._last_t:
+                self._pending.clear()
+                self._restart = True
+            self._last_t = snapshot.t
+            self._pending.extend(rows_of(snapshot))
+        self._waiting.put(snapshot)
 
-    def show_replay(self, snapshots: Sequence[Snapshot], index: int) -> None:
-        """Show one snapshot of a replay, with the time courses up to it; never blocks."""
-        recent = snapshots[max(0, index + 1 - MAX_SNAPSHOTS) : index + 1]
-        begin = snapshots[index].t - HISTORY
-        with self._lock:
-            self._history.clear()
-            self._history.extend(snapshot for snapshot in recent if snapshot.t >= begin)
-            self._waiting.put(snapshots[index])
+    def show_recording(self, snapshots: Sequence[Snapshot]) -> None:
+        """Show the time courses of a whole recording; :meth:`show_moment` selects its moment."""
+        rows = [row for snapshot in snapshots for row in rows_of(snapshot)]
+        self._name(snapshots)
+        self._server.add_rows(rows, reset=True)
+
+    def show_moment(self, snapshot: Snapshot) -> None:
+        """Show one moment of a recording; never blocks."""
+        self._waiting.put(snapshot)
 
     def note(self, title: str, text: str) -> None:
-        """Show a title and a line of text above the hands, for example the task of a demo."""
-        self._note.content = f"### {plain(title)}\n{plain(text)}"
+        """Show a title and a line of text at the top, for example the task of a demo."""
+        self._server.publish("note", {"title": title, "text": text})
+
+    def publish(self, kind: str, message: Mapping[str, Any], key: str | None = None) -> None:
+        """Send the page a message; it replaces those of its kind and key; never blocks."""
+        self._server.publish(kind, message, key)
+
+    def set_up(self, **changes: Any) -> None:
+        """Change how the page is set up, such as its ``mode``."""
+        self._setup |= changes
+        self._server.publish("setup", self._setup)
+
+    def add_resource(self, path: str, content_type: str, data: bytes) -> None:
+        """Serve bytes under a path."""
+        self._server.add_resource(path, content_type, data)
+
+    def handle(self, name: str, handler: Callable[[Any], None]) -> None:
+        """Have a function called, from another thread, with what a page sends under a name."""
+        self._handlers[name] = handler
 
     def close(self) -> None:
-        """Stop drawing and close the page's server."""
+        """Stop drawing and close the page."""
         self._waiting.close()
         self._thread.join(timeout=5.0)
-        super().close()
+        self._server.close()
 
-    def _redraw(self) -> None:
-        """Draw the newest snapshot again, after a change of the options."""
-        with self._lock:
-            if self._history:
-                self._waiting.get(timeout=0.0)  # the same one; it is not dropped
-                self._waiting.put(self._history[-1])
+    def _receive(self, message: dict[str, Any]) -> None:
+        """Do what a person asks on the page; what no button sends is ignored."""
+        action, hand = message.get("control"), message.get("hand")
+        if action in ACTIONS and self._on_command and isinstance(hand, str):
+            self._on_command(Command(action, hand))
+        chosen = message.get("targets")
+        if self._choose_targets is not None and chosen in self._setup["choices"]:
+            self._choose_targets(str(chosen))
+            self.set_up(targets=chosen)
+        for name, handler in self._handlers.items():
+            if name in message:
+                try:
+                    handler(message[name])
+                except (TypeError, ValueError, LookupError):
+                    log.warning("the page sent %.200r", message)
 
     def _run(self) -> None:
-        courses_due, stale = 0.0, False
         while True:
-            wait = max(0.01, courses_due - time.monotonic()) if stale else None
-            snapshot = self._waiting.get(wait)
-            if snapshot is None and self._waiting.finished:
-                return
-            due = time.monotonic() >= courses_due
-            stale = not due
-            if due:
-                courses_due = time.monotonic() + COURSES_INTERVAL
+            snapshot = self._waiting.get()
+            if snapshot is None:
+                if self._waiting.finished:
+                    return
+                continue
+            begin = time.monotonic()
             try:
-                with self.server.atomic():
-                    if snapshot is not None:
-                        self._draw(snapshot)
-                        self.drawn += 1
-                    if due:
-                        self._draw_courses()
+                if self._setup["mode"] == "live":
+                    self._name([snapshot])
+                self._send_rows()
+                self._draw(snapshot)
+                self.drawn += 1
             except Exception:  # a snapshot that cannot be drawn must not end the page
                 log.exception("a snapshot was not drawn")
+            time.sleep(max(0.0, begin + INTERVAL - time.monotonic()))
+
+    def _send_rows(self) -> None:
+        with self._lock:
+            rows, restart = list(self._pending), self._restart
+            self._pending.clear()
+            self._restart = False
+        if rows or restart:
+            self._server.add_rows(rows, reset=restart)
+        if self._setup["mode"] == "live":
+            self._server.keep_rows(LIVE_ROWS)
+
+    def _name(self, snapshots: Sequence[Snapshot]) -> None:
+        """Give each object its letter and colour."""
+        known = {placed.id for snapshot in snapshots for placed in snapshot.objects}
+        live = self._setup["mode"] == "live"
+        if known and self.looks.update(known, snapshots[-1].t if live else 0.0):
+            self._server.publish("looks", {"numbers": self.looks.numbers()})
 
     def _draw(self, snapshot: Snapshot) -> None:
-        self._options.set_hands([hand.intention.hand for hand in snapshot.hands])
-        self._drawing.draw(snapshot, self._options.rays, self._options.hand)
-        lines = [f"- {plain(describe(hand.intention))}" for hand in snapshot.hands]
-        self._summary.content = f"**t = {snapshot.t:.2f} s**\n\n" + "\n".join(lines)
+        for placed in snapshot.objects:
+            self._add_mesh(placed)
+        self._server.publish("scene", scene_of(snapshot, self._meshes))
 
-    def _draw_courses(self) -> None:
-        with self._lock:
-            history = list(self._history)
-        hand = self._options.hand or _last_reaching(history)
-        if hand is not None:
-            courses = courses_of(history, hand)
-            self._options.add_panels(list(courses.panels))
-            self._courses.show(courses, self._drawing.colours, self._options.hidden)
+    def _add_mesh(self, placed: PlacedObject) -> None:
+        model = placed.model
+        if model.name not in self._meshes:
+            number = len(self._meshes)
+            data = encode_mesh(model.vertices, model.faces)
+            self._server.add_resource(f"/mesh/{number}", "application/octet-stream", data)
+            self._meshes[model.name] = number
 
 
-def _last_reaching(history: Sequence[Snapshot]) -> str | None:
-    """Return the hand that reached last, or else any hand."""
-    hand = None
-    for snapshot in reversed(history):
-        for shown in snapshot.hands:
-            if shown.intention.status in ("reaching", "holding"):
-                return shown.intention.hand
-            hand = hand or shown.intention.hand
-    return hand
-
-
-def plain(text: str) -> str:
-    """Return text escaped for markdown: ids and names come from outside."""
-    return re.sub(r"([\\`*_{}\[\]()#+\-!|~>])", r"\\\1", escape(text, quote=False)).replace(
-        "\n", " "
-    )
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Keep viser's banners off standard output, where a program may read igrip's output."""
-    console = rich.get_console()
-    before, console.quiet = console.quiet, True
-    try:
-        yield
-    finally:
-        console.quiet = before
+def rows_of(snapshot: Snapshot) -> list[dict[str, Any]]:
+    """Return a row for each hand whose intention is of this snapshot, not of an earlier one."""
+    return [row_of_hand(hand) for hand in snapshot.hands if hand.intention.t == snapshot.t]

@@ -25,6 +25,7 @@ class HandSnapshot:
     past: Array  # filtered positions in the window, newest last, shape (n, 3) [m]
     motion: Motion | None  # None while unknown
     target: PlacedObject | None  # the predicted one
+    assisted: bool = False  # whether a device assists it
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,8 @@ def take_snapshot(estimator: Estimator) -> Snapshot:
         known = intention.status in ("idle", "reaching", "holding")
         target = by_id.get(intention.target) if intention.target else None
         motion = track.motion if known else None
-        hands.append(HandSnapshot(intention, track.trajectory.past, motion, target))
+        assisted = estimator.config.commitment.assists(id)
+        hands.append(HandSnapshot(intention, track.trajectory.past, motion, target, assisted))
     return Snapshot(estimator.t, objects, hands, estimator.scene)
 
 

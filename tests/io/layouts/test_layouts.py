@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import mocap_files as mocap
 from igrip.errors import DatasetError
@@ -215,7 +216,15 @@ NAMED = [
     "t,right.x,right.y,right.z,mug.x,mug.y,mug.z",
     "t,right pos x,right pos y,right pos z,mug pos x,mug pos y,mug pos z",
     "t,rightTX,rightTY,rightTZ,mugTX,mugTY,mugTZ",
+    "Zeit,pos_x_right,pos_y_right,pos_z_right,position.x.mug,position.y.mug,position.z.mug",
+    "Temps,right[x],right[y],right[z],mug[x],mug[y],mug[z]",
+    "host_time,right (X),right (Y),right (Z),mug (X),mug (Y),mug (Z)",
+    "relative time,right_px,right_py,right_pz,mug_px,mug_py,mug_pz",
+    "time,right (X) [mm],right (Y) [mm],right (Z) [mm],mug (X) [mm],mug (Y) [mm],mug (Z) [mm]",
+    "t,right X (in),right Y (in),right Z (in),mug X (in),mug Y (in),mug Z (in)",
+    "% t,right_x,right_y,right_z,mug_x,mug_y,mug_z",
 ]
+UNIT_WORDS = {"(mm)": "mm", "[mm]": "mm", "(in)": "in"}
 
 
 @pytest.mark.parametrize("header", NAMED)
@@ -227,10 +236,12 @@ def test_bodies_by_the_names_of_columns(tmp_path, header):
     assert [body.position for body in layout.bodies] == [(1, 2, 3), (4, 5, 6)]
     assert layout.time == 0
     assert layout.time_unit == ("ms" if "ms" in header else None)
-    assert layout.length_unit == ("mm" if "(mm)" in header else None)
+    assert layout.length_unit == next((u for word, u in UNIT_WORDS.items() if word in header), None)
 
 
-@pytest.mark.parametrize("header", ["index,matrix,apex", "a,b,c", "trial,hand,target"])
+@pytest.mark.parametrize(
+    "header", ["index,matrix,apex", "a,b,c", "trial,hand,target", "stopx,stopy,stopz", "px,ix,z_px"]
+)
 def test_names_that_are_no_coordinates(tmp_path, header):
     (tmp_path / "t.csv").write_text(header + "\n" + "\n".join(f"{k},2,3" for k in range(9)))
     assert read_table(tmp_path / "t.csv").layout.bodies == ()
@@ -243,3 +254,52 @@ def test_quaternions_by_the_names_of_columns(tmp_path):
     )
     take = take_of(tmp_path / "t.csv")
     assert take.tracks["hand"].orientations[0] == pytest.approx([0, 0, 0, 1])
+
+
+@pytest.mark.parametrize("version", ["1.2", "1.23", "1.25"])
+def test_motive_without_its_first_line(tmp_path, version):
+    path = mocap.motive(tmp_path / "t.csv", RIGID, version, parent=version >= "1.24")
+    rows = path.read_text().splitlines()
+    path.write_text("\n".join(rows[1:]))
+    assert_is_the_scene(take := take_of(path, length_unit="mm"))
+    assert "first line" in take.remarks[0]
+
+
+def test_a_row_between_blanks_with_empty_cells_is_left_out(tmp_path):
+    mug = HAND + 0.2
+    scene = Scene(MARKERS.times, {"RHand": Body(HAND), "mug": Body(np.nan_to_num(mug, nan=0.3))})
+    path = mocap.trc(tmp_path / "t.trc", scene)
+    head, rows = path.read_text().split("\n\n", 1)
+    path.write_text(head + "\n\n" + rows.replace("\t", " "))
+    take = take_of(path)
+    seen = np.isfinite(HAND[:, 0])
+    np.testing.assert_allclose(take.tracks["RHand"].positions, HAND[seen], atol=1e-7)
+    np.testing.assert_allclose(take.tracks["mug"].positions, mug[seen], atol=1e-7)
+    assert "5 rows without a time left out" in take.remarks[0]
+
+
+@pytest.mark.parametrize("section", ["Segments", "Objects"])
+@pytest.mark.parametrize("degrees", [True, False])
+def test_vicon_rotations_longer_than_half_a_turn_are_angles(tmp_path, section, degrees):
+    turns = Rotation.from_euler("XYZ", np.linspace([100, -60, -170], [150, 40, 170], N), True)
+    scene = Scene(MARKERS.times, {"mug": Body(HAND, turns.as_quat())})
+    path = mocap.vicon(tmp_path / "t.csv", scene, section=section)
+    take = take_of(path)  # axis times angle is not touched
+    assert "axis times angle" in take.remarks[0]
+    seen = np.isfinite(HAND[:, 0])
+    assert_turns(take.tracks["mug"], turns[seen])
+    rows = path.read_text().splitlines()
+    angles = turns.as_euler("XYZ", degrees=degrees)
+    for k in np.flatnonzero(seen):
+        cells = rows[5 + k].split(",")
+        rows[5 + k] = ",".join([*cells[:2], *map(str, angles[k]), *cells[5:]])
+    text = "\n".join(rows)
+    path.write_text(text if degrees else text.replace("deg", "rad"))
+    take = take_of(path)
+    assert "exceed half a turn" in take.remarks[0]
+    assert_turns(take.tracks["mug"], turns[seen])
+
+
+def assert_turns(track, turns):
+    apart = Rotation.from_quat(track.orientations) * turns.inv()
+    assert apart.magnitude().max() < 1e-6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import gzip
 import json
 import logging
 
@@ -37,6 +38,38 @@ def test_round_trip(tmp_path, scene):
     assert reader.cut is None
     assert path.read_bytes().count(b"\n") == len(scene)
     assert list(JsonlReader(str(path))) == scene
+
+
+@pytest.mark.parametrize("name", ["scene.jsonl.gz", "SCENE.JSONL.GZ", "scene.jsonl"])
+def test_compressed_recordings_are_read(tmp_path, scene, name):
+    whole = write(tmp_path / "whole.jsonl", scene).read_bytes()
+    (tmp_path / name).write_bytes(gzip.compress(whole))
+    assert list(igrip.open_source(tmp_path / name)) == scene
+
+
+@pytest.mark.parametrize("damage", ["cut", "changed"])
+def test_a_damaged_compressed_recording_yields_what_is_before_the_damage(tmp_path, scene, damage):
+    packed = bytearray(gzip.compress(write(tmp_path / "whole.jsonl", scene).read_bytes()))
+    if damage == "cut":
+        del packed[-len(packed) // 4 :]
+    else:
+        packed[-8] ^= 0xFF  # the checksum
+    path = tmp_path / "x.jsonl.gz"
+    path.write_bytes(packed)
+    reader = JsonlReader(path)
+    found = list(reader)
+    assert len(found) > len(scene) // 2
+    assert found == scene[: len(found)]
+    assert "after line" in reader.cut
+
+
+@pytest.mark.parametrize("end", ["\r", "\r\n", "\n"])
+def test_line_ends_of_every_system(tmp_path, scene, end):
+    text = "".join(f"{observation.to_json().decode()}{end}" for observation in scene)
+    (tmp_path / "x.jsonl").write_bytes(text.encode())
+    reader = JsonlReader(tmp_path / "x.jsonl")
+    assert list(reader) == scene
+    assert reader.cut is None
 
 
 def test_writing_what_was_read_gives_the_same_bytes(tmp_path, scene):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
@@ -114,6 +114,33 @@ def test_transforms_and_poses_are_observations_in_the_root_frame(bag):
         assert observations[0].t == 0.0
 
 
+def test_pictures_are_left_out_and_said_to_be(tmp_path):
+    for storage in (StoragePlugin.MCAP, StoragePlugin.SQLITE3):
+        for posed in (True, False):
+            folder = tmp_path / f"{storage.name}{posed}"
+            with Writer(folder, version=9, storage_plugin=storage) as bag:
+                kinds = {"/cam/depth": "sensor_msgs/msg/Image"} | ({MUSTARD: POSE} if posed else {})
+                topics = {t: bag.add_connection(t, k, typestore=STORE) for t, k in kinds.items()}
+                empty = make("sensor_msgs/msg/Image", header=header("cam", BEGIN), height=1,
+                             width=1, encoding="16UC1", is_bigendian=0, step=2,
+                             data=np.zeros(2, np.uint8))  # fmt: skip
+                for k in range(20):
+                    ns = BEGIN + k * 33_333_333
+                    data = {"/cam/depth": empty, MUSTARD: pose("world", ns, [0.0, 0.4, 0.0])}
+                    for topic, connection in topics.items():
+                        kind = connection.msgtype
+                        bag.write(connection, ns, STORE.serialize_cdr(data[topic], kind))
+            for path in files(folder):
+                reader = igrip.open_source(path)
+                if not posed:
+                    with pytest.raises(RecordingError, match="not looked for in the pictures"):
+                        list(reader)
+                    continue
+                assert len(list(reader)) == 20
+                [said] = [text for text in reader.remarks if text.startswith("left out")]
+                assert "/cam/depth. Hands and objects are not looked for in the pictures" in said
+
+
 def test_a_bag_replays_like_a_recording(bag):
     catalog = igrip.load_objects("ycb")
     estimator = igrip.Estimator(catalog)
@@ -135,6 +162,26 @@ def test_a_bag_without_poses_is_answered_with_what_is_in_it(tmp_path):
                 RecordingError, match=r"/chatter \(std_msgs/msg/String\): 3 messages"
             ):
                 list(igrip.open_source(path))
+
+
+@pytest.mark.parametrize("storage", list(StoragePlugin), ids=lambda s: s.name)
+@pytest.mark.parametrize("mode", [CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_compressed_bags_are_read_as_folders(tmp_path, storage, mode):
+    folder = tmp_path / "bag"
+    writer = Writer(folder, version=9, storage_plugin=storage)
+    writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer as bag:
+        topic = bag.add_connection("/tf", TF, typestore=STORE)
+        for k in range(60):
+            ns = BEGIN + k * 33_333_333
+            hand = transform("world", "right_hand", ns, hand_at(k))
+            bag.write(topic, ns, STORE.serialize_cdr(make(TF, transforms=[hand]), TF))
+    hands = [o.hands["right"].position for o in igrip.open_source(folder)]
+    assert hands == [pytest.approx(hand_at(k)) for k in range(60)]
+    for path in files(folder)[1:]:  # without the metadata nothing says how they are compressed
+        reader = igrip.open_source(path)
+        with pytest.raises(RecordingError, match="open the folder of the bag"):
+            list(reader)
 
 
 def test_damaged_files_are_errors_of_recordings(tmp_path, bag):

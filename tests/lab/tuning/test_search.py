@@ -75,5 +75,5 @@ def test_the_present_may_lie_outside_the_bounds():
 def test_another_file_is_refused(tmp_path):
     path = tmp_path / "study.db"
     path.write_text("no data base, but more text than the header of one would have" * 9)
-    with pytest.raises(IgripError, match="delete it to begin anew"):
+    with pytest.raises(IgripError, match="delete it to start again"):
         open_storage(path)

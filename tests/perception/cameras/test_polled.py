@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 
 import numpy as np
@@ -102,6 +103,16 @@ def test_wrong_times_are_named():
     assert "has sent pictures dated 60.0 s in the future" in error_after(device, 3)
     device = Device(lambda k, now: frame(100.0 + min(k, 3) / 30, k))
     assert "pictures whose time does not increase" in error_after(device, 3)
+
+
+@pytest.mark.parametrize("step", [60.0, -60.0])
+def test_a_clock_that_was_set_is_followed_and_named(step):
+    device = Device(lambda k, now: frame(now - 0.03 + step * (k > 30), k))
+    frames = first(device, 60)
+    late = [one.t for one in frames[-10:]]
+    assert np.diff(late) == pytest.approx(0.1)
+    assert device.now - late[-1] == pytest.approx(0.03, abs=0.01)
+    assert re.search(rf"stepped {'ahead' if step > 0 else 'back'} by (60|59\.9)", device.note)
 
 
 def test_dark_pictures_with_noise_come_with_a_note_until_they_are_over():

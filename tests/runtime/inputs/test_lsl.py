@@ -10,7 +10,7 @@ import pytest
 
 import igrip
 from igrip.runtime.clock_sync import ArrivalClock
-from igrip.runtime.inputs._named_poses import channel_of
+from igrip.runtime.inputs._named_poses import Layout, NamedPoses, channel_of
 from igrip.runtime.inputs.lsl import LslInput
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import Options
@@ -140,3 +140,20 @@ def test_what_cannot_be_read_is_named_with_what_would_do(running, name, channels
 ])  # fmt: skip
 def test_channels(metadata, expected):
     assert channel_of(metadata) == expected
+
+
+@pytest.mark.parametrize(("unit", "metres"), [("mm", 0.001), ("inches", 0.0254), ("dm", 0.1)])
+def test_channels_of_several_units_are_metres(unit, metres):
+    hand = [{"label": f"right.{axis}", "unit": unit} for axis in "xyz"]
+    mug = [
+        {"label": f"mug.{part}", "unit": "m"} for part in ("x", "y", "z", "qx", "qy", "qz", "qw")
+    ]
+    poses = NamedPoses(["right"])
+    alone = Layout(map(channel_of, hand))
+    assert alone.metres == metres
+    assert alone.message(0.0, [1.0, 2.0, 3.0], poses)["hands"]["right"]["position"] == [1, 2, 3]
+    both = Layout(map(channel_of, hand + mug))
+    assert (both.metres, both.is_converted) == (1.0, True)
+    message = both.message(0.0, [1.0, 2.0, 3.0, 0.1, 0.2, 0.3, 0, 0, 0, 1], poses)
+    assert message["hands"]["right"]["position"] == pytest.approx([metres, 2 * metres, 3 * metres])
+    assert message["objects"]["mug"]["position"] == [0.1, 0.2, 0.3]

@@ -171,3 +171,33 @@ def test_absurd_movements_are_bounded_like_those_of_plain_numpy(seed):
     for row, named in zip(local, oracle.all_local(parts), strict=True):
         assert dict(zip(LOCAL, row, strict=True)) == pytest.approx(named, rel=1e-6, abs=1e-7)
     assert (np.abs(np.concatenate([local.ravel(), shared])) == 8.0).any()
+
+
+def test_an_object_that_moves_is_looked_at_as_if_it_stood():
+    """The hand meets an object that is brought: seen from it, the way began further off."""
+    one = moving()
+    t, onset = one.state[layout.TIME], one.onset
+    drift = np.array([0.0, -0.2, 0.0])  # m/s
+    times = np.linspace(onset - 0.1, t, 40)
+    path = np.column_stack([times, OBJECTS.centre[0] + np.outer(times - t, drift)])
+    rows = OBJECTS.rows[:1].copy()
+    brought = Cylinders.of(
+        OBJECTS.centre[:1], OBJECTS.axis[:1], OBJECTS.half_length[:1], OBJECTS.radius[:1],
+        drift[None],
+    )._replace(paths={0: path})  # fmt: skip
+    [seen], [stood] = features_of(one, brought).local, features_of(one, Cylinders(rows)).local
+    left, way = LOCAL.index("remaining"), np.linalg.norm(OBJECTS.centre[0] - one.start)
+    further = np.linalg.norm(OBJECTS.centre[0] - one.start - drift * (t - onset))
+    assert seen[left] / stood[left] == pytest.approx(way / further, rel=0.05)
+    assert seen[LOCAL.index("object_speed")] == 0.0
+
+
+def test_a_hand_that_began_beside_an_object_carries_it():
+    one = moving()
+    path = one.points.copy()  # the object moves as the hand does
+    carried = Cylinders.of(
+        one.now[:1], np.array([[0.0, 0.0, 1.0]]), np.array([0.05]), np.array([0.03]), one.now[1:2]
+    )
+    known = features_of(one, carried).local
+    np.testing.assert_array_equal(features_of(one, carried._replace(paths={0: path})).local, known)
+    assert known[0, LOCAL.index("object_speed")] == pytest.approx(1.0)

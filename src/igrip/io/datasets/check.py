@@ -22,7 +22,7 @@ SLACK = 0.1  # s that a recording may end before its movement does
 
 
 class Flaw(NamedTuple):
-    """One thing that is wrong with a trial.
+    """One defect of a trial.
 
     Attributes
     ----------

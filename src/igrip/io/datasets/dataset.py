@@ -287,7 +287,7 @@ def _read_description(path: Path) -> Mapping[str, Any]:
     try:
         description = json.loads(read_text(path))
     except FileNotFoundError:
-        raise DatasetError(f"{path.parent}: is no dataset, it has no dataset.json") from None
+        raise DatasetError(f"{path.parent}: is not a dataset: it has no dataset.json") from None
     except TextError as error:
         raise DatasetError(str(error)) from error
     except (OSError, ValueError) as error:

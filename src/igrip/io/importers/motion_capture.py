@@ -18,6 +18,7 @@ from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
 from igrip.io.takes.roles import hands_of, objects_of
+from igrip.io.takes.sections import merge_tracking_systems
 
 PLAIN = ("table", "table without a header")
 
@@ -48,6 +49,7 @@ class MotionCapture:
     def reaches(self, files: ImportFiles) -> Sequence[ReachReader]:
         """Return one function per take."""
         chosen = {name: source for name, source in files.opened.items() if _is_take(source)}
+        chosen = merge_tracking_systems(chosen)
         return [
             self._reader(number, name, source)
             for number, (name, source) in enumerate(chosen.items(), 1)

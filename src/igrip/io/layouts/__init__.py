@@ -51,7 +51,7 @@ class BodyColumns:
 
 @dataclass(frozen=True)
 class Layout:
-    """What a header says.
+    """What a header states.
 
     Attributes
     ----------

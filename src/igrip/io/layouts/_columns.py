@@ -25,20 +25,31 @@ TIME_UNITS = {
     "ns": "ns", "nanoseconds": "ns",
 }  # fmt: skip
 _TIME = re.compile(
-    r"(?:t|times?|time[\s_]?stamps?|elapsed(?:[\s_]time)?|seconds|sec)"
+    r"(?:t|times?|time[\s_]?stamps?|(?:elapsed|relative|host|device|unix)(?:[\s_]?time)?|seconds|sec"
+    r"|zeit(?:stempel)?|temps|tiempo|tempo|tijd|tid|czas)"
     r"(?:[\s_]*[\[(]?(?P<unit>" + "|".join(TIME_UNITS) + r")[\])]?)?"
 )
-_NAMED_UNIT = re.compile(r".*[xyz][\s_]*[(\[_]?(mm|cm|m)[)\]]?")
-FRAMES = frozenset({"frame", "frame#", "frame number", "frames", "frame_number", "sample", "index"})
+_LENGTHS = "mm|cm|m|inch|in"
+_NAMED_UNIT = re.compile(rf".*[xyz][)\]]?[\s_]*[(\[_]?({_LENGTHS})[)\]]?")
+FRAMES = frozenset({
+    "frame", "frame#", "frame number", "frames", "frame_number", "framenumber", "frame no",
+    "frame_no", "frame_id", "frame_idx", "sample", "index", "bild", "bildnummer",
+})  # fmt: skip
+_BRACKETS = re.compile(r"[\s_]*[(\[]\s*([xyzw])\s*[)\]]", re.IGNORECASE)  # right[x], right (X)
 _COMPONENT = re.compile(
     r"(?P<body>.*?)[\s_.:/|-]*(?:"
-    r"(?:pos(?:ition)?|loc(?:ation)?|trans(?:lation)?)?[\s_.:/-]*(?P<position>t?[xyz])(?:\d*|[\s_]*[(\[]?(?:mm|cm|m)[)\]]?)"
+    r"(?:pos(?:ition)?|loc(?:ation)?|trans(?:lation)?)?[\s_.:/-]*(?P<position>[tp]?[xyz])"
+    rf"(?:\d*|[\s_]*[(\[]?(?:{_LENGTHS})[)\]]?)"
     r"|(?:rot(?:ation)?|ori(?:entation)?|quat(?:ernion)?)[\s_.:/-]*(?P<turn>[xyzw])"
     r"|q[\s_.:-]?(?P<quaternion>[xyzw])"
     r")",
     re.IGNORECASE,
 )
-_BEFORE = re.compile(r"(?P<position>[xyz])[\s_.:-]+(?P<body>[^\W\d][^()\[\]]*)", re.IGNORECASE)
+_BEFORE = re.compile(
+    r"(?:(?:pos(?:ition)?|loc(?:ation)?|trans(?:lation)?)[\s_.:-]+)?"
+    r"(?P<position>[xyz])[\s_.:-]+(?P<body>[^\W\d][^()\[\]]*)",
+    re.IGNORECASE,
+)  # x_hand, pos_x_hand
 _WORDS = re.compile(r"[A-Z]?[a-z]{2,}[xyz]|[A-Z]{3,}[XYZ]")  # "index", "matrix": no coordinates
 
 
@@ -105,7 +116,7 @@ def _component(path: Sequence[str]) -> tuple[str, str] | None:
     """Return the body and the component (``x``, ``qx``) that the name of a column stands for."""
     if not path:
         return None
-    last = path[-1]
+    last = _BRACKETS.sub(r" \1", path[-1])
     match = _COMPONENT.fullmatch(last)
     if match is None or _WORDS.fullmatch(last):
         match = _BEFORE.fullmatch(last)  # x_hand
@@ -164,7 +175,7 @@ def _header(head: Head, index: int) -> tuple[list[list[str]], list[str]]:
     while k >= 0 and not any(head.rows[k]):  # a blank line may stand above the data
         k -= 1
     while k >= 0 and any(head.rows[k]):
-        row = [cell.lstrip("#").strip() for cell in head.rows[k]]
+        row = [cell.lstrip("#%").strip() for cell in head.rows[k]]
         filled = [cell for cell in row if cell]
         if _of_numbers(row, head.dialect.decimal) and rows:
             break

@@ -19,18 +19,19 @@ from igrip.io.cells.lines import read_lines
 from igrip.io.layouts import LAYOUTS, BodyColumns, Head, Layout
 from igrip.io.layouts._columns import UNITS
 
+LEVELS = 4  # folders of a data set in which a file may stand: motion, session, subject, and its own
+
 
 def motion_bids(head: Head) -> Layout | None:
     """Return what the files beside a ``*_motion.tsv`` say."""
     stem = head.path.name.lower().removesuffix(".gz").removesuffix(".tsv")
     if not stem.endswith("_motion"):
         return None
-    prefix = head.path.name[: len(stem) - len("motion")]
-    channels = head.path.parent / f"{prefix}channels.tsv"
-    if not channels.is_file():
+    channels = _applying(head.path, "_channels.tsv")
+    if channels is None:
         return None
     rows = _channels(channels)
-    settings = _settings(head.path.parent / f"{prefix}motion.json")
+    settings = _settings(_applying(head.path, "_motion.json"))
     width = next((len(row) for row in head.rows if any(row)), 0)
     if width != len(rows):
         raise DatasetError(f"{head.path}: has {width} columns, {channels.name} names {len(rows)}")
@@ -101,8 +102,24 @@ def _channels(path: Path) -> list[dict[str, str]]:
     ]
 
 
-def _settings(path: Path) -> Mapping[str, Any]:
-    if not path.is_file():
+def _applying(path: Path, ending: str) -> Path | None:
+    """Return the file that applies to a recording by BIDS' principle of inheritance.
+
+    It may stand in a folder above, with fewer of the entities; the nearest and most special holds.
+    """
+    entities = set(path.name.split("_")[:-1])
+    for folder in path.resolve().parents[:LEVELS]:
+        found = [
+            file for file in sorted(folder.glob(f"*{ending}"))
+            if set(file.name.removesuffix(ending).split("_")) <= entities
+        ]  # fmt: skip
+        if found:
+            return max(found, key=lambda file: len(file.name))
+    return None
+
+
+def _settings(path: Path | None) -> Mapping[str, Any]:
+    if path is None:
         return {}
     lines = read_lines(path)
     try:

@@ -1,9 +1,9 @@
 """Tables of OptiTrack Motive (CSV export), versions 1.1x to 1.25.
 
-The first line holds pairs of names and values. Rows of the header: type, name, ID, (parent,)
-Rotation or Position, and the axes under ``Frame`` and ``Time (Seconds)``. Motive's world has y up;
-Euler angles turn about the body's own axes since Motive 1.6 (help.naturalpoint.com, "Changes in
-Motive's Reported Euler Angles").
+The first line holds pairs of names and values; it can be left out of an export. Rows of the header:
+type, name, ID, (parent,) Rotation or Position, and the axes under ``Frame`` and ``Time (Seconds)``.
+Motive's world has y up; Euler angles turn about the body's own axes since Motive 1.6
+(help.naturalpoint.com, "Changes in Motive's Reported Euler Angles").
 """
 
 from __future__ import annotations
@@ -25,9 +25,11 @@ _SOLVED = ("rigid body marker", "bone marker")  # where a marker should be, not 
 def motive(head: Head) -> Layout | None:
     """Return what the header of a Motive export says."""
     rows = head.rows
-    if not rows or not rows[0] or rows[0][0].lower() != "format version":
+    first = next((row for row in rows if any(row)), None)
+    if first is None:
         return None
-    settings = _settings(rows[0])
+    whole = first[0].lower() == "format version"
+    settings = _settings(first) if whole else {}
     axes = next(
         (
             k for k, row in enumerate(rows)
@@ -36,21 +38,27 @@ def motive(head: Head) -> Layout | None:
         None,
     )  # fmt: skip
     if axes is None:
+        if not whole:
+            return None
         raise DatasetError(
             f"{head.path}: is a Motive export without the row 'Frame, Time (Seconds), X, Y, Z'"
         )
-    upper = [row for row in rows[1:axes] if any(row)]
+    upper = [row for row in rows[:axes] if any(row) and (row is not first or not whole)]
     width = len(rows[axes])
     types = _row_of(upper, lambda row: any(cell.lower() in _TYPES for cell in row[1:]))
     kinds = _row_of(upper, lambda row: any(cell in ("Position", "Rotation") for cell in row[1:]))
     if types is None or kinds is None:
+        if not whole:
+            return None
         raise DatasetError(f"{head.path}: its Motive header has no row of types or of 'Position'")
     names = upper[upper.index(types) + 1]
     cells = [_padded(row, width) for row in (types, names, kinds, rows[axes])]
-    rotation = settings.get("rotation type", "Quaternion")
+    rotation = settings.get("rotation type", "Quaternion" if whole else "XYZ")
     bodies, unlabelled = _bodies(cells, rotation)
     version = settings.get("format version", "")
     remarks = []
+    if not whole:
+        remarks.append("its first line, with rate, unit and kind of rotation, was not exported")
     if unlabelled:
         remarks.append(f"{unlabelled} markers without a label are left out")
     unit = settings.get("length units", settings.get("units", ""))

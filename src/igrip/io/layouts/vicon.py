@@ -30,6 +30,9 @@ def vicon(head: Head) -> Layout | None:
     axes = next(
         (k for k, row in rows[1:8] if row[0].lower() == "frame" and len(row) > 2), None
     )  # fmt: skip
+    if axes is None and not SECTIONS[title.lower()]:  # events have another header
+        columns_of_it = tuple((cell or f"column {k + 1}",) for k, cell in enumerate(rows[-1][1]))
+        return Layout(f"Vicon CSV ({title})", head.stop, head.stop, columns_of_it)
     if axes is None or axes < 1:
         raise DatasetError(f"{head.path}: its section {title!r} has no row 'Frame, Sub Frame, …'")
     names, parts = head.rows[axes - 1], head.rows[axes]

@@ -54,7 +54,7 @@ class FrameAssembler:
         shape = (intrinsics.height, intrinsics.width)
         if colour.shape != (*shape, 3) or (depth is not None and depth.shape != shape):
             raise RecordingError(f"data: {colour.shape[1]} × {colour.shape[0]}, but the "
-                                 f"calibration says {shape[1]} × {shape[0]}")  # fmt: skip
+                                 f"calibration is for {shape[1]} × {shape[0]}")  # fmt: skip
         pose = self._poses.get(camera, np.eye(4))
         return RgbdFrame(record.t, colour, depth, intrinsics, camera, pose)
 

@@ -13,7 +13,7 @@ from igrip.io.mcap.frames import FrameAssembler
 from igrip.io.mcap.messages import OBSERVATIONS
 from igrip.io.mcap.records import Record, Unpacker, packed_records
 from igrip.io.recording_reader import RecordingReader, StoredMessage
-from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics
+from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics, left_out
 from igrip.rgbd import RgbdFrame
 
 
@@ -54,6 +54,8 @@ class McapReader(RecordingReader):
                     yield StoredMessage(place, content)
         if topics and ros is None and not any(topic == OBSERVATIONS for topic, _ in topics):
             raise RecordingError(f"{self.path} {describe_topics(topics)}")
+        if ros is not None:
+            self.remarks += left_out(topics)
 
     def frames(self) -> Iterator[RgbdFrame]:
         """Yield the frames of all cameras as they were recorded, each camera's in order of time."""

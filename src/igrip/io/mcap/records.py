@@ -1,7 +1,7 @@
 """The records of an ``.mcap`` file that may be cut off or damaged.
 
 The package ``mcap`` parses records and chunks. Its readers allocate whatever a damaged length asks
-for and do not say where a file was cut off, so records are delimited and bounded here.
+for and do not report where a file was cut off, so records are delimited and bounded here.
 """
 
 from __future__ import annotations

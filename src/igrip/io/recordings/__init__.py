@@ -50,8 +50,9 @@ def open_source(name: str | Path, frame: DeclaredFrame | None = None) -> Source:
     Parameters
     ----------
     name : str or Path
-        A file with a known ending, for example ``reach.jsonl``; or ``scheme:rest``. The name of a
-        format is a scheme too: ``jsonl:reach.txt`` reads a file with any ending. A folder may be a
+        A file with a known ending, for example ``reach.jsonl`` or, compressed,
+        ``reach.jsonl.gz``; or ``scheme:rest``. The name of a format is a scheme too:
+        ``jsonl:reach.txt`` reads a file with any ending. A folder may be a
         bag of ROS 2.
     frame : DeclaredFrame, optional
         Frame and units of the messages; of files only.
@@ -68,7 +69,8 @@ def open_source(name: str | Path, frame: DeclaredFrame | None = None) -> Source:
     RecordingError
         If a recording cannot be opened.
     """
-    source, rest = _find(name, "source")
+    compressed = str(name).lower().endswith(".jsonl.gz") and not str(name).startswith("jsonl:")
+    source, rest = _find(f"jsonl:{name}" if compressed else name, "source")
     if frame is None or frame.is_default:
         return source(rest)
     if not isinstance(source, RecordingFormat):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gzip
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, cast
 
 import msgspec
 
@@ -17,18 +19,37 @@ from igrip.observation import Observation
 
 
 class JsonlReader(RecordingReader):
-    """The observations of a ``.jsonl`` file, in order; may be iterated again.
+    """The observations of a ``.jsonl`` or ``.jsonl.gz`` file, in order; may be iterated again.
 
     A file that was cut off in the middle of its last line yields everything before the cut;
     :attr:`cut` then says where it was, and a warning is logged.
     """
 
+    def open(self) -> BinaryIO:
+        """Open the file from its beginning, decompressed as it is read."""
+        file = super().open()
+        if file.read(2) == b"\x1f\x8b":
+            file.close()
+            return cast(BinaryIO, gzip.open(self.path))
+        file.seek(0)
+        return file
+
     def stored_messages(self) -> Iterator[StoredMessage]:
         """Yield the lines of the file."""
+        number = 0
         with self.open() as file:
-            for line in read_lines(file):
+            lines = read_lines(file)
+            while True:
+                try:
+                    line = next(lines, None)
+                except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+                    self.note_cut(f"after line {number}: {error}")
+                    return
+                if line is None:
+                    return
+                number = line.number
                 data = b"" if line.too_long else line.data
-                yield StoredMessage(f"line {line.number}", data, not line.ended)
+                yield StoredMessage(f"line {number}", data, not line.ended)
 
 
 class JsonlWriter(RecordingWriter):

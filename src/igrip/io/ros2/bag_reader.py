@@ -13,7 +13,7 @@ from igrip.errors import ObservationError, RecordingError, requires_extra
 from igrip.io.defects import Defect
 from igrip.io.frames import DeclaredFrame
 from igrip.io.recording_reader import RecordingReader, StoredMessage
-from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics
+from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics, left_out
 
 METADATA = "metadata.yaml"
 MAX_BYTES = 1 << 20  # of a message that is read; those of poses have less than one kB
@@ -75,9 +75,7 @@ class BagReader(RecordingReader):
             yield StoredMessage(place, content)
         if not any(kind in READABLE for _, kind in topics):
             raise RecordingError(f"{self.path} {describe_topics(topics)}")
-        left_out = sorted(topic for topic, kind in topics if kind not in READABLE)
-        if left_out:
-            self.remarks.append(f"left out: {', '.join(left_out[:12])}")
+        self.remarks += left_out(topics)
 
     def _folder(self, topics: Counter[tuple[str, str]]) -> Iterator[RawMessage]:
         from rosbags.rosbag2 import Reader

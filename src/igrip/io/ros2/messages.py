@@ -19,7 +19,10 @@ POSES = (
     "nav_msgs/msg/Odometry",
 )  # fmt: skip
 READABLE = (*TRANSFORMS, *POSES)
+_ZSTD = b"\x28\xb5\x2f\xfd"  # the first bytes of what zstd compressed
 MAX_LATENCY = 5.0  # s from a stamp to its arrival; one that is older is of another clock
+PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage",
+            "sensor_msgs/msg/PointCloud2")  # fmt: skip
 _NO_THINGS = re.compile(r"camera|optical|sensor|imu|^map$|^odom|^base|^world", re.IGNORECASE)
 _NO_NAMES = {"pose", "poses", "tf", "odom", "tracker", "vrpn", "mocap", "data", "world"}
 
@@ -64,6 +67,11 @@ class RosMessages:
         try:
             message: Any = self._store.deserialize_cdr(data, kind)
         except Exception as error:  # the package trusts its input
+            if data.startswith(_ZSTD):
+                raise ObservationError(
+                    "message",
+                    "is compressed by itself: open the folder of the bag, with metadata.yaml",
+                ) from None
             raise ObservationError("message", f"of {topic} is no {kind}: {error!r:.200}") from None
         if self._begin is None:
             self._begin = arrived
@@ -108,7 +116,25 @@ def describe_topics(topics: Counter[tuple[str, str]]) -> str:
     kinds = ", ".join(READABLE)
     return (
         f"holds {', '.join(listed[:12]) or 'no messages'}{more}. What can be read: /observations "
-        f"of igrip; of ROS 2 {kinds}"
+        f"of igrip; of ROS 2 {kinds}{_no_pictures(topics)}"
+    )
+
+
+def left_out(topics: Counter[tuple[str, str]]) -> list[str]:
+    """Return which topics are not read, as remarks; a reader calls it after the last message."""
+    names = sorted(topic for topic, kind in topics if kind not in READABLE)
+    if not names:
+        return []
+    more = f", and {len(names) - 12} more" if len(names) > 12 else ""
+    return [f"left out: {', '.join(names[:12])}{more}{_no_pictures(topics)}"]
+
+
+def _no_pictures(topics: Counter[tuple[str, str]]) -> str:
+    if not any(kind in PICTURES for _, kind in topics):
+        return ""
+    return (
+        ". Hands and objects are not looked for in the pictures of a bag: record the camera with "
+        "igrip record, or record poses too"
     )
 
 

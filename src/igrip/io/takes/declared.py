@@ -12,7 +12,7 @@ from igrip.io.layouts import Layout
 
 @dataclass(frozen=True)
 class Declared:
-    """What is declared; None: what the file says, else igrip's own.
+    """What is declared; None: what the file states, else igrip's own.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Declared:
     missing: tuple[str, ...] = ()
 
     def frame(self, layout: Layout | None = None) -> DeclaredFrame:
-        """Return the frame of a file: what is declared, else what its layout says.
+        """Return the frame of a file: what is declared, else what its layout states.
 
         Raises
         ------

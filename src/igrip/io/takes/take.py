@@ -56,12 +56,15 @@ class Track:
     def in_gap(self, times: Array, interval: float, rate: float) -> NDArray[np.bool_]:
         """Return which times of a new rate [Hz] lie in gaps.
 
-        There, no sample is within 1.5 of the recording's intervals [s]; or none within half a new
-        interval, and the body is known to be lost at the nearest time. Interpolation over a gap
-        would show an estimator where the body is going to reappear.
+        There, no sample is within 1.5 of the recording's intervals [s], or of the body's own where
+        that is longer; or none within half a new interval, and the body is known to be lost at the
+        nearest time. Interpolation over a gap would show an estimator where the body is going to
+        reappear.
         """
         seen, lost = _distance(times, self.times), _distance(times, self.lost)
         half = 0.5 / rate * (1.0 + 1e-6)
+        if len(self.times) > 2:
+            interval = max(interval, float(np.median(np.diff(self.times))))
         return (seen > MAX_INTERVAL_FACTOR * interval) | ((lost < seen) & (seen > half))
 
 

@@ -6,7 +6,7 @@ The files, in the order of the data:
 - ``recorded_trial``: what one recording holds of its trial, without any estimator.
 - ``movement``: onset and end of the movement in it.
 - ``trial_description``: task, validity and layout of the trial, from these.
-- ``trials``: the rules for one sequence of answers: success, delay, margin, detection.
+- ``trials``: the rules for one sequence of predictions: success, delay, margin, detection.
 - ``trial_metrics``: the numbers of one estimator in one trial, by these rules.
 - ``predicted_times``: when the hand was at its target, and how well that was predicted.
 - ``commitments``, ``calibration``: when leases would begin; whether probabilities hold.

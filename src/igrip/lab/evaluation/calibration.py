@@ -14,7 +14,7 @@ BINS = 10
 
 
 class ReliabilityBins(NamedTuple):
-    """Answers by their stated probability, in bins of equal width. The bins of sets add up."""
+    """Predictions by their stated probability, in bins of equal width. The bins of sets add up."""
 
     answers: NDArray[np.int64]  # (bins,): how many
     stated: Array  # (bins,): sums of their probabilities
@@ -22,7 +22,7 @@ class ReliabilityBins(NamedTuple):
 
     @classmethod
     def of(cls, stated: Sequence[float], correct: Sequence[bool]) -> ReliabilityBins:
-        """Bin answers by their stated probability in [0, 1]."""
+        """Bin predictions by their stated probability in [0, 1]."""
         p, flags = np.asarray(stated, dtype=np.float64), np.asarray(correct, dtype=np.float64)
         index = np.minimum((p * BINS).astype(int), BINS - 1)
         count: NDArray[np.int64] = np.bincount(index, minlength=BINS)
@@ -30,17 +30,17 @@ class ReliabilityBins(NamedTuple):
         return cls(count, *(one.astype(np.float64) for one in sums))
 
     def calibration_error(self) -> float:
-        """Return the expected calibration error; NaN without answers.
+        """Return the expected calibration error; NaN without predictions.
 
-        The mean gap between stated probability and share of correct answers in a bin, weighted by
-        its answers (Naeini et al. 2015, AAAI 29:2901-2907; Guo et al. 2017, ICML 34:1321-1330).
+        The mean gap between stated probability and share of correct predictions in a bin, weighted
+        by their number (Naeini et al. 2015, AAAI 29:2901-2907; Guo et al. 2017, ICML 34:1321-1330).
         """
         total = self.answers.sum()
         return float(np.abs(self.stated - self.correct).sum() / total) if total else float("nan")
 
 
 def squared_error(probability: Mapping[str, float], truth: str) -> float:
-    """Return the squared error of one answer over all classes; its mean is the Brier score.
+    """Return the squared error of one prediction over all classes; its mean is the Brier score.
 
     In [0, 2] (Brier 1950, Mon. Weather Rev. 78:1-3); a true class without probability had 0.
     """

@@ -33,7 +33,7 @@ def fingerprint(dataset: Dataset, configs: Sequence[Config], objects: Sequence[s
         for mesh in _meshes(source):
             digest.update(f"{mesh.name} {mesh.digest()}\n".encode())
     for path in sorted(path for ending in ("py", "json") for path in PACKAGE.rglob(f"*.{ending}")):
-        digest.update(path.read_bytes())  # another code, other weights, another answer
+        digest.update(path.read_bytes())  # other code, other weights, other predictions
     return digest.hexdigest()[:16]
 
 

@@ -75,9 +75,9 @@ def score_times(
     intentions: Sequence[Intention],
     last: float,
 ) -> dict[str, Any]:
-    """Return how the newest answers at parts of the movement predicted contact and end.
+    """Return how the newest predictions at parts of the movement predicted contact and end.
 
-    Of each event and part: ``asked``, whether the answer had the right target and the event was
+    Of each event and part: ``asked``, whether the prediction had the right target and the event was
     still to come;
     ``error`` [s], the predicted moment less the true one, None where it was not predicted;
     ``held``, whether the interval held the true one.
@@ -124,8 +124,8 @@ def _compare(answer: Intention, event: str, truth: float) -> tuple[float | None,
 def summarise_times(rows: pd.DataFrame | Mapping[str, Any]) -> dict[str, Any]:
     """Return, for each event and part of the movement, how well it was predicted over some trials.
 
-    ``rows`` are columns of :func:`score_times`. ``asked`` is the number of answers with the right
-    target while the event was to come, ``given`` the share of these with a prediction,
+    ``rows`` are columns of :func:`score_times`. ``asked`` is the number of predictions with the
+    right target while the event was to come, ``given`` the share of these with a prediction,
     ``median_s`` and ``p90_s`` are of its absolute error, ``bias_s`` is the median of its signed
     error (positive: predicted too late) [s], and ``held`` is the share of intervals that held the
     true moment.

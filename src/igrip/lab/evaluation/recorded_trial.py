@@ -81,7 +81,7 @@ class RecordedTrial:
     def target_looks(self, begin: float, end: float) -> tuple[list[float], list[bool]]:
         """Return when the target was looked for, and detected; a silent source counts as misses.
 
-        A target that was reported just once, for good, needs no second look.
+        A target that was reported just once (a static object) needs no second look.
         """
         if self.target_detected == [True]:
             return [begin, *self.times[1:3]], [True] * 3

@@ -33,7 +33,7 @@ _analyse_in_worker: Callable[[Trial], Any]  # set in worker processes only
 
 
 class EstimatorRun:
-    """An estimator at work, and all that it answered."""
+    """An estimator at work, and all its predictions."""
 
     def __init__(self, catalog: Catalog, config: Config) -> None:
         self.config = config
@@ -65,7 +65,7 @@ class EstimatorRun:
 
 @dataclass
 class TrialRun:
-    """What a recording holds, and what estimators answered to it."""
+    """What a recording holds, and what estimators predicted for it."""
 
     recorded: RecordedTrial  # the trial, and the detections of its hand and target
     estimators: Sequence[EstimatorRun]  # one per configuration

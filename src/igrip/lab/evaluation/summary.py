@@ -21,7 +21,7 @@ COLUMNS = (
     "movement", "grip", "hand", "success", "seconds", "messages", "observed", "objects",
     "both_seen_0.3s_before_end", "bounds", "invalid_reason", "movement_s",
 )  # fmt: skip
-MIN_PEOPLE = 5  # below it an interval over participants says nothing
+MIN_PEOPLE = 5  # below it an interval over participants is meaningless
 ANGLES = (0.0, 10.0, 20.0, 40.0, 180.0)  # edges of the bins of the angular gap [deg]
 DEPTHS = (-np.inf, -0.1, 0.0, 0.1, np.inf)  # of the depth gap [m]
 

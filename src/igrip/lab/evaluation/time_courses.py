@@ -16,13 +16,13 @@ SPEED, TARGET, GRIP = "speed [m/s]", "target", "grip"
 
 
 class TimeCourses(NamedTuple):
-    """What was answered for one hand over time.
+    """What was predicted for one hand over time.
 
     Each panel, (lines, n) with NaN for nothing, has one line for the speed, one for each object
     for a score and for the target (its number, from 1), and one for each grip (1 or 2).
     """
 
-    times: Array  # of the answers, (n,) [s]
+    times: Array  # of the predictions, (n,) [s]
     objects: tuple[str, ...]  # which have a line each
     panels: dict[str, Array]
     none: Array  # probability of no target, (n,)

@@ -36,7 +36,7 @@ def score_answers(
     right = np.array([i.target == trial.target for i in own], dtype=bool)
     # the grip of the *predicted* target, whichever it is (paper, "Trial evaluation")
     grip = np.array([i.grip is not None and i.grip == trial.grip for i in own], dtype=bool)
-    # an answer was possible: the hand is followed, and some object can be used
+    # a prediction was possible: the hand is followed, and some object can be used
     following = ("idle", "reaching", "holding")
     possible = np.array([i.status in following and bool(i.scores) for i in own], dtype=bool)
     first = times[possible][0] if possible.any() else np.inf

@@ -43,8 +43,8 @@ def longest_run(correct: Flags) -> tuple[int, int]:
 def score_trial(times: Times, correct: Flags, onset: float, end: float) -> TrialScore:
     """Score one trial as the paper does (its "Trial evaluation"; docs/evaluation.md).
 
-    ``times`` (n,) are those of the frames, increasing [s]; ``correct`` (n,) says whether the answer
-    was right in each. Frames after the end (k_f) do not count.
+    ``times`` (n,) are those of the frames, increasing [s]; ``correct`` (n,) states whether the
+    prediction was right in each. Frames after the end (k_f) do not count.
     """
     within = times <= end
     times, correct = times[within], correct[within]
@@ -59,9 +59,9 @@ def score_trial(times: Times, correct: Flags, onset: float, end: float) -> Trial
 def causal_accuracy(
     times: Times, correct: Flags, onset: float, end: float, fractions: Sequence[float]
 ) -> Flags:
-    """Return whether the newest answer was right at fractions of the movement, from 0 to 1.
+    """Return whether the newest prediction was right at fractions of the movement, from 0 to 1.
 
-    False where there was no answer yet. For the other parameters see :func:`score_trial`.
+    False where there was no prediction yet. For the other parameters see :func:`score_trial`.
     """
     at = onset + np.asarray(fractions, dtype=np.float64) * (end - onset)
     # times come as decimal text: a frame that falls on the instant must not be missed by rounding
@@ -70,7 +70,7 @@ def causal_accuracy(
 
 
 class Detection(NamedTuple):
-    """When one thing was first found in a trial [s], and why that is not enough; None: it is."""
+    """When a hand or object was first found in a trial [s], and why that is not enough, if so."""
 
     found: float | None
     problem: str | None
@@ -79,7 +79,7 @@ class Detection(NamedTuple):
 def assess_detection(
     times: Sequence[float], detected: Sequence[bool], begin: float, end: float
 ) -> Detection:
-    """Assess the detections (n,) of one thing at times (n,) of frames between two times [s].
+    """Assess the detections (n,) of a hand or object at frames (n,) between two times [s].
 
     Found: at the start of the first run of 3 consecutive detections. Not too late: more than 0.5 s,
     or more than half of the trial, remained then. Gaps count from there to the end of the trial.

@@ -1,4 +1,4 @@
-"""The results and claims of the paper, beside the results of an evaluation."""
+"""The results and claims of the publication, beside the results of an evaluation."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def findings(summary: Mapping[str, Any]) -> list[Finding]:
     if paper and complete:
         best = max(singles, key=lambda name: singles[name]["success"])
         highest = singles[best]["success"]
-        here = f"paper {paper['success']:.1%}, best single {best} {highest:.1%}"
+        here = f"`paper` estimator {paper['success']:.1%}, best single `{best}` {highest:.1%}"
         holds = paper["success"] > highest
         result.append(Finding("the global score beats every single metric", holds, here))
     for key, how in (("delay_s", ""), ("delay_clipped_s", ", runs before the onset counted as 0")):
@@ -61,13 +61,13 @@ def findings(summary: Mapping[str, Any]) -> list[Finding]:
         if len(delays) < len(SINGLES):
             continue
         order = sorted(delays, key=lambda name: delays[name])
-        here = ", ".join(f"{name} {delays[name]:.2f} s" for name in order)
+        here = ", ".join(f"`{name}` {delays[name]:.2f} s" for name in order)
         earliest, latest = order[0] == "distance_derivative", order[-1] == "impacts"
         result.append(Finding(f"the distance derivative is the earliest{how}", earliest, here))
         result.append(Finding(f"impacts are the latest{how}", latest, here))
     if complete:
         worst = min(singles, key=lambda name: singles[name]["success"])
-        here = f"{worst} {singles[worst]['success']:.1%}"
+        here = f"`{worst}` {singles[worst]['success']:.1%}"
         result.append(Finding("impacts are the worst", worst == "impacts", here))
     if paper.get("grip_success") is not None:
         here = f"grip {paper['grip_success']:.1%}, target {paper['success']:.1%}"
@@ -82,7 +82,7 @@ def deviations(summary: Mapping[str, Any], max_difference: float = 0.10) -> list
     for name, published in TABLE_I.items():
         ours = summary["targets"].get(name, {}).get("valid", {})
         for key in ("frames", "success"):
-            value, paper = ours.get(key), getattr(published, key)
-            if value is not None and abs(value - paper) > max_difference:
-                lines.append(f"{name}, {key}: {value:.1%}, paper {paper:.1%}")
+            value, theirs = ours.get(key), getattr(published, key)
+            if value is not None and abs(value - theirs) > max_difference:
+                lines.append(f"`{name}`, {key}: {value:.1%}, published {theirs:.1%}")
     return lines

@@ -1,4 +1,4 @@
-"""The paper's Figure 6: the time courses of one trial, with an arrow at each k_target."""
+"""The published Figure 6: the time courses of one trial, with an arrow at each k_target."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def draw_courses(run: TrialRun, bounds: Bounds) -> Any | None:
     panels[7].set_xlabel("time from movement onset [s]; dotted: onset and end")
     if courses.objects:
         lines, names = panels[5].get_legend_handles_labels()
-        panels[1].legend(lines, names, loc="upper left", fontsize=7, ncols=4)
+        figure.legend(lines, names, loc="outside lower center", fontsize=7, ncols=4)
     figure.suptitle(
         f"{task.recording}: {task.hand} hand to {task.target}, {task.grip} grip\n"
         "green: the target; arrows: k_target; dashed: probability of none", fontsize=9,

@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -23,6 +24,7 @@ from igrip.lab.evaluation.trial_metrics import FRACTIONS
 from igrip.lab.report import claims, figures
 from igrip.lab.report.courses_figure import draw_courses
 from igrip.objects.catalog import Catalog
+from igrip.version import __version__
 
 
 def write_report(
@@ -33,12 +35,13 @@ def write_report(
     frame: pd.DataFrame,
     summary: Mapping[str, Any],
     chosen: str | None = None,
+    command: str = "",
 ) -> None:
     """Write ``summary.json``, ``trials.parquet``, ``figures/`` and ``report.html`` to a folder.
 
     ``frame`` has a row for each recording and estimator, ``summary`` is that of
-    :func:`igrip.lab.evaluation.summary.summarise`, and ``chosen`` the recording of the time
-    courses, by default a typical one.
+    :func:`igrip.lab.evaluation.summary.summarise`, ``chosen`` the recording of the time courses,
+    by default a typical one, and ``command`` what was typed.
 
     Raises
     ------
@@ -47,6 +50,7 @@ def write_report(
     """
     with requires_extra("jinja2", "report", "the report"):
         import jinja2
+        import markupsafe
     out.mkdir(parents=True, exist_ok=True)
     text = json.dumps(clean(summary), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
@@ -65,6 +69,10 @@ def write_report(
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {
         "percent": percent, "seconds": seconds, "interval": interval, "error": error,
+        "code": lambda text: markupsafe.Markup(
+            re.sub(r"`([^`]+)`", r"<code>\1</code>", str(markupsafe.escape(text)))
+        ),
+        "at": lambda fraction: f"at {fraction}",
     }  # fmt: skip
     template = environment.from_string(
         (files("igrip.lab.report") / "report.html").read_text(encoding="utf-8")
@@ -73,8 +81,10 @@ def write_report(
         summary=summary, pictures=pictures, leading=leading.targets,
         fractions=[f"{f:.0%}" for f in FRACTIONS], parts=[f"{part:.0%}" for part in PARTS],
         reliability=leading.commitment.reliability,
+        version=__version__, command=command,
+        configuration=leading.model_dump_json(indent=2, exclude={"targets"}),
         table_i=claims.TABLE_I, grip=claims.GRIP, conditions=claims.CONDITIONS,
-        paper_valid=claims.VALID_SHARE, paper_observed=claims.OBSERVED_SHARE,
+        published_valid=claims.VALID_SHARE, published_observed=claims.OBSERVED_SHARE,
         findings=claims.findings(summary), deviations=claims.deviations(summary),
     )  # fmt: skip
     (out / "report.html").write_text(page, encoding="utf-8")
@@ -143,4 +153,4 @@ def error(times: Mapping[str, Any]) -> str:
 
 def interval(value: Sequence[float] | None) -> str:
     """Return an interval of shares as percentages."""
-    return "" if not value else f"{100.0 * value[0]:.0f}–{100.0 * value[1]:.0f}"
+    return "–" if not value else f"{100.0 * value[0]:.0f}–{100.0 * value[1]:.0f}"

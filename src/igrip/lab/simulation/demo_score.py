@@ -35,8 +35,8 @@ class StatusChanges:
 class DemoScore:
     """Compares intentions with tasks, one reach at a time.
 
-    A reach counts as right if the last answer before its end was; the target was found with the
-    first of the right answers that lasted to the end.
+    A reach counts as right if the last prediction before its end was; the target was found with the
+    first of the correct predictions that lasted to the end.
     """
 
     def __init__(self) -> None:
@@ -102,7 +102,11 @@ class DemoScore:
         if not s["reaches"]:
             return "no reach has ended yet"
         part = s["found_at_part_of_movement"]
-        when = "" if part is None else f"; found for good at {part:.0%} of the movement on average"
+        when = (
+            ""
+            if part is None
+            else f"; final correct prediction at {part:.0%} of the movement on average"
+        )
         return (
             f"{s['reaches']} reaches: {s['targets_right']} targets and {s['grips_right']} grips "
             f"right at the end{when}"

@@ -175,7 +175,7 @@ def inject(
 ) -> Iterator[Observation]:
     """Yield the messages of a source as they come when things go wrong, the same for the same seed.
 
-    Times never decrease, and every message is well formed: what is wrong is what they say.
+    Times never decrease, and every message is well formed: what is wrong is their content.
     ``counts`` is increased by how many episodes of each kind began.
     """
     episodes = [Episode(np.random.default_rng([seed, k])) for k in range(len(faults))]

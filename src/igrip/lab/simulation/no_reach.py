@@ -1,4 +1,4 @@
-"""Minutes without a reach: idle hands, gestures, passing by, carrying things about."""
+"""Minutes without a reach: idle hands, gestures, passing by, carrying objects about."""
 
 from __future__ import annotations
 

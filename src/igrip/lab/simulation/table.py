@@ -48,7 +48,7 @@ class Table:
         """Return where the palm is at the end of a reach from ``hand``, shape (3,) [m].
 
         A palmar grip ends beside the body at mid-height, on the side of the hand; a pinch above
-        the top. ``gap`` says how far from them.
+        the top. ``gap`` is the distance to them.
         """
         model, middle = self.models[id], self.middle(id)
         if grip == "pinch":

@@ -91,8 +91,8 @@ def write_files(out: Path, subject: Subject, decision: Decision, record: Mapping
     for old in (out / "front").glob("*.toml"):
         old.unlink()
     for number, one in enumerate(record["front"], 1):
-        told = f"{people}: point {number} of the front, {describe_point(one)}"
-        _write_config(out / "front" / f"{number:02d}.toml", subject.config, one["values"], [told])
+        note = f"{people}: point {number} of the front, {describe_point(one)}"
+        _write_config(out / "front" / f"{number:02d}.toml", subject.config, one["values"], [note])
     text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False, default=float)
     (out / "tune.json").write_text(text + "\n", encoding="utf-8")
 
@@ -108,9 +108,9 @@ def describe_point(one: Mapping[str, Any]) -> str:
 
 def _write_config(path: Path, config: Config, values: Values, head: Sequence[str]) -> None:
     default = values_of(Config())
-    told = changed_values(with_values(config, values)) | dict(values)
+    changed = changed_values(with_values(config, values)) | dict(values)
     notes = {
         key: f"default {default[key]:g}" for key in values
         if not math.isclose(values[key], default[key])
     }  # fmt: skip
-    path.write_text(config_text(told, notes, head), encoding="utf-8")
+    path.write_text(config_text(changed, notes, head), encoding="utf-8")

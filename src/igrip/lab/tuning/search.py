@@ -174,7 +174,7 @@ def open_storage(path: Path) -> Any:
         return optuna.storages.RDBStorage(f"sqlite:///{path}")
     except (SQLAlchemyError, RuntimeError) as error:
         problem = str(error).splitlines()[0]
-        raise IgripError(f"{path}: {problem}; delete it to begin anew") from error
+        raise IgripError(f"{path}: {problem}; delete it to start again") from error
 
 
 def silence() -> None:

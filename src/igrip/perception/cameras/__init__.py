@@ -51,7 +51,7 @@ def open_camera(name: str, calibration: str | Path | None = None) -> Camera:
         ``scheme`` or ``scheme:rest``: ``oak``, ``realsense``, ``webcam:0``, ``replay:FILE``; with
         options as in ``oak?fps=15``; several joined by ``+``, as in ``oak:ID1+oak:ID2``.
     calibration : str or Path, optional
-        A file of ``igrip calibrate``, which says where each camera stands.
+        A file of ``igrip calibrate``, which holds where each camera stands.
 
     Raises
     ------

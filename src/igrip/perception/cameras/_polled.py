@@ -1,4 +1,4 @@
-"""What the devices have in common: one is asked for its next frame again and again."""
+"""What the devices have in common: each is polled for its next frame."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from igrip.errors import CameraError
+from igrip.perception.cameras._device_clock import AHEAD, DeviceClock
 from igrip.perception.cameras._picture_check import OPEN_SHUTTER, PictureCheck, is_black
 from igrip.rgbd import RgbdFrame
 
@@ -17,7 +19,6 @@ log = logging.getLogger(__name__)
 
 WAIT = 0.2  # s; a device is never waited for longer at a time, so that close() is soon done
 PATIENCE = 4.0  # s without a new frame, after which a device is taken to have failed; guess
-AHEAD = 0.05  # s by which a frame may seem to come from the future; as GatingConfig's
 WARM_UP = 10.0  # s that the first frame may take; guess
 
 
@@ -54,12 +55,14 @@ class PolledCamera(ABC):
         self._device = threading.Lock()  # held while the device is asked, or released
         self._released = False
         self._check = PictureCheck()
+        self._times: DeviceClock | None = None
 
     @property
     def note(self) -> str | None:
         """What a user should know of its frames just now."""
         problem = self._check.note and f"{self.name}: {self._check.note}"
-        return "; ".join(note for note in (self.device_note, problem) if note) or None
+        clock = self._times and self._times.event
+        return "; ".join(note for note in (self.device_note, clock, problem) if note) or None
 
     @abstractmethod
     def _next(self) -> RgbdFrame | None:
@@ -90,6 +93,7 @@ class PolledCamera(ABC):
             now = self.clock()
             if frame is not None:
                 arrived = now
+                frame = self._dated(frame, now)
                 found = self._failure(frame, last, now)
                 if found is None:
                     last, patience = frame.t, PATIENCE
@@ -102,6 +106,16 @@ class PolledCamera(ABC):
                 what, advice = fault if now - arrived < 0.5 * patience else NO_PICTURE
                 raise CameraError(f"for {patience:g} s {self.name} has sent {what}; {advice}")
 
+    def _dated(self, frame: RgbdFrame, now: float) -> RgbdFrame:
+        """Return a frame with its time by the clock that is followed; as it is where none is."""
+        if self._times is None:
+            self._times = DeviceClock(self.name)
+        event = self._times.event
+        t = self._times.update(frame.t, now)
+        if self._times.event not in (event, None):
+            log.warning(self._times.event)
+        return frame if t is None or t == frame.t else replace(frame, t=t)
+
     def _failure(self, frame: RgbdFrame, last: float, now: float) -> CameraFailure | None:
         """Return why a frame cannot be used; None: it can.
 
@@ -112,6 +126,8 @@ class PolledCamera(ABC):
             return CameraFailure(f"pictures dated {frame.t - now:.1f} s in the future", RESTART)
         if frame.t <= last:
             return CameraFailure("pictures whose time does not increase", RESTART)
+        if self._times is not None and self._times.problem is not None:
+            return CameraFailure(f"times that cannot be used ({self._times.problem})", RESTART)
         if self._check.is_new(frame):
             return None
         if is_black(frame.colour):

@@ -88,7 +88,7 @@ class SeveralCameras:
 
 
 class PlacedCamera:
-    """An open camera, or several, whose frames say where they were taken from.
+    """An open camera, or several, whose frames hold where they were taken from.
 
     ``poses`` are ``world_from_camera``, (4, 4), by the name of the camera.
     """

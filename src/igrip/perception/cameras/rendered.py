@@ -1,4 +1,4 @@
-"""``rendered:SEED``: a simulated camera before a simulated person, for trying things out."""
+"""``rendered:SEED``: a simulated camera before a simulated person, for trials without a camera."""
 
 from __future__ import annotations
 

@@ -181,7 +181,7 @@ class MediaPipeHands:
 def _detections(
     answer: Any, picture: NDArray[np.uint8], back: NDArray[np.float64]
 ) -> list[HandDetection]:
-    """Return the hands of MediaPipe's answer; ``back`` (2, 3) maps pixels to the whole picture."""
+    """Return the hands of MediaPipe's result; ``back`` (2, 3) maps pixels to the whole picture."""
     hands = []
     size = np.array(picture.shape[1::-1], dtype=np.float64)
     for landmarks, (label, *_) in zip(answer.hand_landmarks, answer.handedness, strict=True):

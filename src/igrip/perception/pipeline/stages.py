@@ -27,7 +27,7 @@ NEW_RUN = 0.5  # s by which time goes back where a recording begins anew
 class HandIds:
     """Ids of hands, shared by the cameras that look at the same people; safe between threads.
 
-    ``shared``: several cameras look at the same hands, so that a miss of one says little.
+    ``shared``: several cameras look at the same hands, so that a miss of one is weak evidence.
     """
 
     def __init__(self, config: HandIdConfig, shared: bool) -> None:
@@ -76,7 +76,7 @@ class HandStage:
 
 
 class CrossCameraVisibility:
-    """Which camera saw an object last: that another one misses it says little."""
+    """Which camera saw an object last: that another one misses it is weak evidence."""
 
     def __init__(self) -> None:
         self._last: dict[str, tuple[str, float]] = {}  # camera and time, by object

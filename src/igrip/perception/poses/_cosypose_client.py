@@ -42,7 +42,7 @@ class _Request(NamedTuple):
 class PoseServerClient:
     """A connection to a pose server, in a thread of its own; reconnects when it breaks.
 
-    An answer may take ``timeout`` [s]. Where nothing listens at first, an IgripError is raised;
+    A reply may take ``timeout`` [s]. Where nothing listens at first, an IgripError is raised;
     what is wrong later is in ``problem``.
     """
 
@@ -138,19 +138,19 @@ class PoseServerClient:
             connection.sendall(np.ascontiguousarray(frame.depth, dtype="<f4").data)
         (length,) = struct.unpack(">I", _receive(connection, 4))
         if length > MAX_ANSWER:
-            raise ValueError("its answer makes no sense")
+            raise ValueError("its reply cannot be read")
         try:
             answer = json.loads(_receive(connection, length))
         except (ValueError, RecursionError):
-            raise ValueError("its answer is not JSON") from None
+            raise ValueError("its reply is not JSON") from None
         if not isinstance(answer, dict) or answer.get("seq") != request.number:
-            raise ValueError("its answer belongs to another frame")
+            raise ValueError("its reply belongs to another frame")
         if "error" in answer:
             self.problem = f"the pose server reports: {answer['error']!s:.300}"
             return Answer(frame, [])
         poses = answer.get("poses")
         if not isinstance(poses, list):
-            raise ValueError("its answer holds no poses")
+            raise ValueError("its reply holds no poses")
         self.problem = None
         return Answer(frame, poses)
 
@@ -160,6 +160,6 @@ def _receive(connection: socket.socket, length: int) -> bytes:
     while len(received) < length:
         piece = connection.recv(min(length - len(received), 1 << 20))
         if not piece:
-            raise ConnectionError("it has gone away")
+            raise ConnectionError("it has closed the connection")
         received += piece
     return bytes(received)

@@ -55,8 +55,8 @@ class CosyPoseOptions(Settings):
     labels: Mapping[str, str] = Field(default_factory=dict)
     send_depth: bool = False
     min_score: float = quantity(0.7, "1", "of a pose", "CosyPose", ge=0)
-    wait: float = quantity(0.0, "s", "for the answer to each frame; 0: never", ge=0)
-    timeout: float = quantity(10.0, "s", "without an answer: connect anew", "guess", gt=0)
+    wait: float = quantity(0.0, "s", "for the reply to each frame; 0: never", ge=0)
+    timeout: float = quantity(10.0, "s", "without a reply: reconnect", "guess", gt=0)
     missing_after: float = quantity(
         2.0, "s", "without being found, and not under a hand: an object is gone", "guess", gt=0
     )
@@ -69,7 +69,7 @@ class _LastPose(NamedTuple):
 
 
 class _Found(NamedTuple):
-    """One pose of the server's answer: the box is the mesh's bounding box, centred."""
+    """One pose of the server's reply: the box is the mesh's bounding box, centred."""
 
     label: str
     score: float
@@ -166,7 +166,7 @@ class CosyPoses:
 
 
 def _parse(raw: Any) -> _Found | None:
-    """Return one pose of the server's answer, or None where it is none."""
+    """Return one pose of the server's reply, or None where it is none."""
     with contextlib.suppress(TypeError, ValueError, KeyError, OverflowError):
         label, score = str(raw["label"]), float(raw["score"])
         pose = np.array(raw["camera_from_object"], dtype=np.float64)

@@ -210,7 +210,7 @@ class DepthPoses:
         view = context.view
         near, depths = points_near(view, rough.pose, rough.shape.surface, POINTS)
         own = np.ones(len(near), dtype=np.bool_)
-        for other in others:  # what stands beside it says nothing against it
+        for other in others:  # what stands beside it is no evidence against it
             own &= ~on_object(other, near)
         if not own.any():
             return None

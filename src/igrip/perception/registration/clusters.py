@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 from igrip.rgbd import Array
 
 CELL = 0.008  # of the grid on the table [m]; a gap of two cells parts two clusters
-TABLE_CELL = 0.02  # of the grid that says where the table is [m]
+TABLE_CELL = 0.02  # of the grid that locates the table [m]
 MIN_HEIGHT, MAX_HEIGHT = 0.012, 0.5  # of what is looked at above the table [m]; guess
 MIN_POINTS = 30  # of a cluster
 MAX_DEPTH, MIN_DEPTH = 0.3, 0.025  # under the table: a point between them stands on no table [m]

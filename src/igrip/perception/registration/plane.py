@@ -36,7 +36,7 @@ def find_plane(points: Array, random: np.random.Generator) -> Plane | None:
     corners = chosen[random.integers(len(chosen), size=(HYPOTHESES, 3))]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normals, axis=1)
-    fit = length > 1e-4  # m²: three points nearly on a line say nothing
+    fit = length > 1e-4  # m²: three points nearly on a line determine no plane
     if not fit.any():
         return None
     normals = normals[fit] / length[fit, None]

@@ -1,4 +1,4 @@
-"""Signed distance to a mesh on a grid: one look-up says how far a point is from it, and which way.
+"""Signed distance to a mesh on a grid: one look-up gives how far a point is from it, and which way.
 
 Registration against a distance field needs no search for correspondences (Fitzgibbon 2003, Image
 and Vision Computing 21:1145-1153).

@@ -102,7 +102,7 @@ class DepthTrack:
 
 
 def _agrees(fit: PoseFit) -> bool:
-    # what is hidden or out of the picture says nothing, for or against
+    # what is hidden or out of the picture is no evidence, for or against
     open_share = 1.0 - fit.visibility.hidden - fit.visibility.outside
     visible = fit.visibility.match >= MIN_VISIBLE * max(open_share, 0.5)
     return visible and fit.agreement >= MIN_AGREEMENT

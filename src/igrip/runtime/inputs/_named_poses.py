@@ -18,9 +18,11 @@ _AXIS = re.compile(
 )
 _ROTATIONS = {"orientation", "rotation", "quaternion", "quat", "rot", "ori", "q", "r"}
 _METRES = {
-    "m": 1.0, "meter": 1.0, "meters": 1.0, "metre": 1.0, "metres": 1.0, "cm": 0.01,
-    "centimeters": 0.01, "mm": 0.001, "millimeter": 0.001, "millimeters": 0.001,
-    "millimetres": 0.001,
+    "m": 1.0, "meter": 1.0, "meters": 1.0, "metre": 1.0, "metres": 1.0,
+    "dm": 0.1, "decimeter": 0.1, "decimeters": 0.1, "decimetre": 0.1, "decimetres": 0.1,
+    "cm": 0.01, "centimeter": 0.01, "centimeters": 0.01, "centimetre": 0.01, "centimetres": 0.01,
+    "mm": 0.001, "millimeter": 0.001, "millimeters": 0.001, "millimetre": 0.001,
+    "millimetres": 0.001, "in": 0.0254, "inch": 0.0254, "inches": 0.0254,
 }  # fmt: skip
 
 
@@ -30,7 +32,7 @@ class Channel(NamedTuple):
     Attributes
     ----------
     name : str
-        Of the thing, such as ``right_hand``.
+        Of the hand or object, such as ``right_hand``.
     part : str
         ``x``, ``y``, ``z`` or ``qx``, ``qy``, ``qz``, ``qw``.
     metres : float or None
@@ -133,30 +135,46 @@ class Layout:
         In their order; None: of no use.
     order : str
         Order of the components of quaternions in messages, ``xyzw`` or ``wxyz``.
+
+    Attributes
+    ----------
+    metres : float or None
+        Length of the unit of the messages' positions [m]; None: not declared. Where the channels
+        have several units, positions are converted to metres.
     """
 
     def __init__(self, channels: Iterable[Channel | None], order: str = "xyzw") -> None:
         self._parts: dict[str, dict[str, int]] = {}
         self._rotation = ROTATION if order == "xyzw" else ("qw", "qx", "qy", "qz")
-        units = set()
+        units: dict[int, float | None] = {}
         for index, channel in enumerate(channels):
             if channel is not None:
                 self._parts.setdefault(channel.name, {})[channel.part] = index
                 if channel.part in POSITION:
-                    units.add(channel.metres)
+                    units[index] = channel.metres
         self._parts = {n: p for n, p in self._parts.items() if set(POSITION) <= set(p)}
-        self.metres = units.pop() if len(units) == 1 else None
+        self._scales: dict[int, float] = {}
+        one_unit = len(set(units.values())) == 1
+        self.metres = next(iter(units.values())) if one_unit else None
+        if len(set(units.values())) > 1:
+            self.metres = 1.0
+            self._scales = {k: 1.0 if unit is None else unit for k, unit in units.items()}
+
+    @property
+    def is_converted(self) -> bool:
+        """Whether positions are converted to metres."""
+        return bool(self._scales)
 
     @property
     def names(self) -> list[str]:
-        """The things whose position is there."""
+        """The hands and objects whose position is given."""
         return list(self._parts)
 
     def message(self, t: float, sample: Sequence[float], poses: NamedPoses) -> dict[str, Any]:
         """Return the message in one sample at its time [the source's unit]."""
         message: dict[str, Any] = {"t": t, "hands": {}, "objects": {}}
         for name, parts in self._parts.items():
-            position = [sample[parts[axis]] for axis in POSITION]
+            position = [sample[k] * self._scales.get(k, 1.0) for k in (parts[a] for a in POSITION)]
             turns = set(ROTATION) <= set(parts)
             rotation = [sample[parts[axis]] for axis in self._rotation] if turns else None
             poses.add(message, name, position, rotation)

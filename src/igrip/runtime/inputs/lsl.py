@@ -115,12 +115,12 @@ class LslInput:
             return None
         frame = self._frame
         units = {size: unit for unit, size in METRES.items()}
-        if layout.metres in units and frame.length_unit == "m":
+        if layout.metres in units and (frame.length_unit == "m" or layout.is_converted):
             frame = replace(frame, length_unit=units[layout.metres])
         # stamps are in seconds whatever the unit of times in messages
         sender = Sender(name=name, frame=replace(frame, time_unit="s"))
         poses = NamedPoses(self._hands)
-        hands = sorted({id for thing in layout.names if (id := poses.hand(thing)) is not None})
+        hands = sorted({id for name in layout.names if (id := poses.hand(name)) is not None})
         self._loop.announce(f"{name}: hands {', '.join(hands) or 'none'}")
         for text in poses.refused.values():
             self._loop.warn(f"{name}: {text}")

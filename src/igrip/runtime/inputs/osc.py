@@ -135,7 +135,7 @@ class OscInput:
 
 
 def name_and_numbers(address: str, params: Sequence[Any]) -> tuple[str, list[float]]:
-    """Return the name of a thing and the numbers that follow it in a message."""
+    """Return the name of a hand or object and the numbers that follow it in a message."""
     numbers = [float(x) for x in params if isinstance(x, int | float) and not isinstance(x, bool)]
     texts = [x for x in params if isinstance(x, str) and x]
     if texts:

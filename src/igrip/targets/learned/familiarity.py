@@ -86,7 +86,7 @@ def read_movements(path: Path) -> FamiliarMovements:
     """
     content = read_learned(path, FORMAT)
     if tuple(content.get("features", ())) != USED:
-        raise IgripError(f"{path}: was made for other features; train it anew (make train)")
+        raise IgripError(f"{path}: was made for other features; retrain it (make train)")
     size = len(USED)
     return FamiliarMovements(
         numbers(content, ["centre"], (size,), path),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.geometry.cylinder import Cylinders, axis_of, centre_of, size_of, velocity_of
+from igrip.motion.approach import approach_of
 from igrip.motion.reach_kernel import (
     ReachState,
     extent_of,
@@ -37,6 +38,8 @@ SHARED = (
     "bend_since_half", "noise_of_way",
 )  # fmt: skip
 """Names of the features of the movement, the same for every object."""
+OF_ALL = ("nearness",)  # features of an object that moves that stay as they are
+BESIDE = 0.1  # m; a hand that began its movement nearer to an object's cylinder carries it; guess
 AHEAD = 0.12  # s, guess
 MAX_AIM = 0.7  # of the half-length: people do not aim at the very ends; guess
 MAX_RATIO = 8.0  # bound of ratios whose denominator may vanish
@@ -180,8 +183,26 @@ def _features_of(state, points, now, cylinders, local, shared):
         local[o, 19] = math.log((nearest / local[o, 19] + 0.1) / 1.1)
 
 
+def _see_from(reach: ReachState, path: Array, cylinder: Cylinders, row: Array) -> None:
+    """Write the features of an object that moves: of the approach as seen from it."""
+    seen, ahead = approach_of(reach, path, cylinder.velocity[0])
+    there, own, unused = cylinder.rows.copy(), np.empty((1, len(LOCAL))), np.empty(len(SHARED))
+    centre_of(there[0])[:] += ahead
+    velocity_of(there[0])[:] = 0.0
+    if Cylinders(there).distance(0, seen.start) < BESIDE:
+        return
+    _features_of(seen.state, seen.points, seen.now, there, own, unused)
+    for k in range(len(LOCAL)):
+        if LOCAL[k] not in OF_ALL:
+            row[k] = own[0, k]
+
+
 def features_of(reach: ReachState, cylinders: Cylinders) -> Features:
     """Return the features of a movement.
+
+    Of an object that moves they are those of the approach as seen from it, as if it stood: a hand
+    meets it, or it is brought to the hand. Not so where the hand was beside the object when its
+    movement began: it carries the object.
 
     Parameters
     ----------
@@ -192,4 +213,6 @@ def features_of(reach: ReachState, cylinders: Cylinders) -> Features:
     """
     local, shared = np.empty((len(cylinders.rows), len(LOCAL))), np.empty(len(SHARED))
     _features_of(reach.state, reach.points, reach.now, cylinders.rows, local, shared)
+    for o, path in cylinders.paths.items():
+        _see_from(reach, path, cylinders.one(o), local[o])
     return Features(local, shared)

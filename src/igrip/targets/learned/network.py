@@ -1,9 +1,9 @@
 """The learned scorer: the same small networks for every object alike, read from a JSON file.
 
-It has two heads. The *target head* tells the objects apart and is learned from reaches alone; the
-*reach-detection head* tells a reach for any object from everything else that hands do, and is
-learned from all movements. What gestures teach about *none* thus does not disturb how near is told
-from far.
+It has two heads. The *target head* distinguishes the objects and is learned from reaches alone; the
+*reach-detection head* distinguishes a reach for any object from everything else that hands do, and
+is learned from all movements. What gestures teach about *none* thus does not disturb the
+discrimination of near from far.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def read_scorer(path: Path) -> Scorer:
     """
     content = read_learned(path, FORMAT)
     if tuple(content.get("inputs", ())) != INPUTS:
-        raise IgripError(f"{path}: was made for other inputs; train it anew (make train)")
+        raise IgripError(f"{path}: was made for other inputs; retrain it (make train)")
     bias = numbers(content, ["bias"], (-1,), path)
     units = len(bias)
     columns = {

@@ -140,7 +140,7 @@ def read_timing(path: Path) -> TimingModel:
     """
     content = read_learned(path, FORMAT)
     if tuple(content.get("inputs", ())) != INPUTS:
-        raise IgripError(f"{path}: was made for other inputs; train it anew (make train)")
+        raise IgripError(f"{path}: was made for other inputs; retrain it (make train)")
     width, outputs = len(INPUTS), 2 * len(QUANTILES)
     units = len(numbers(content, ["bias"], (-1,), path))
     scale = numbers(content, ["scale"], (width,), path)
