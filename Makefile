@@ -57,9 +57,9 @@ schemas: $(READY)  ## write the message schemas into docs/schemas
 	$(BIN)/igrip schema observation > docs/schemas/observation.json
 	$(BIN)/igrip schema intention > docs/schemas/intention.json
 
-system:  ## install what the tests of browsers and of C need from Debian (as root)
+system:  ## install what the tests of browsers, of C and of MQTT need from Debian (as root)
 	apt-get update -qq
-	apt-get install -y -qq --no-install-recommends chromium gcc libc6-dev
+	apt-get install -y -qq --no-install-recommends chromium gcc libc6-dev mosquitto
 
 clean:  ## remove the environment
 	rm -rf .venv
@@ -67,7 +67,10 @@ clean:  ## remove the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs,devices]'
+	$(PIP) install --no-deps --constraint constraints.txt ability-hand nml-hand-exo
+	# ROS 2 has no wheels for some machines and versions of Python: its tests are skipped there
+	-$(PIP) install --constraint constraints.txt --editable '.[ros]'
 	touch $@
 
 bench: $(READY)  ## measure the speed beside other engines; the picture of docs/benchmarks.md

@@ -23,7 +23,8 @@ def test_listing_the_names_imports_no_member():
         "from igrip.runtime.inputs import INPUTS\n"
         "from igrip.runtime.outputs import OUTPUTS\n"
         "INPUTS.names(), OUTPUTS.names()\n"
-        "print([name for name in sys.modules if name in ('pylsl', 'pythonosc', 'websockets')"
+        "peers = ('paho', 'pylsl', 'pythonosc', 'rclpy', 'websockets')\n"
+        "print([name for name in sys.modules if name in peers"
         " or name.startswith(('igrip.runtime.inputs.', 'igrip.runtime.outputs.'))])\n"
     )
     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""Ten minutes at 200 messages a second through the service, in real time."""
+"""Ten minutes at 200 and at 1,000 messages a second through the service, in real time."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from memory import resident
 from runtime_fakes import PATIENCE, until
 
 SECONDS = float(os.environ.get("IGRIP_SOAK_SECONDS", "600"))
-RATE = 200.0
+SLACK = 20.0  # ms that a neighbour on the machine may add to the median age
 
 
-def soak(ycb, seconds, rate=RATE):
-    """Return seconds of processor time per message, and memory [MB], early and late; status."""
+def soak(ycb, seconds, rate):
+    """Return what :func:`judge` takes, from a service in a process of its own."""
     process = subprocess.Popen(
         [sys.executable, "-m", "igrip", "stream", "--in", "ws", "--out", "ws", "--port", "0"],
         stderr=subprocess.PIPE, text=True,
@@ -41,7 +41,7 @@ def soak(ycb, seconds, rate=RATE):
 
 def _drive(ycb, pid, address, seconds, rate):
     count, part = int(seconds * rate), int(min(60.0, seconds / 4.0) * rate)
-    times, memory = {}, {}  # by the number of messages sent
+    times, memory, ages = {}, {}, {}  # by the number of messages sent
     person = iter(DemoPerson(ycb, 0, DemoConfig(rate=rate)))
 
     def status():
@@ -58,13 +58,16 @@ def _drive(ycb, pid, address, seconds, rate):
         for number in range(count):
             if number in (0, part, count - part):
                 times[number], memory[number] = processor_time(pid), resident(pid)
+                ages[number] = status()["update"].get("age_p50_ms")
             time.sleep(max(0.0, begin + number / rate - time.monotonic()))
             source.send(next(person).observation.to_json())
         until(is_done)
         times[count], memory[count] = processor_time(pid), resident(pid)
         first = (times[part] - times[0]) / part
         last = (times[count] - times[count - part]) / part
-        return first, last, memory[part], memory[count], status()
+        report = status()
+        waited = ages[part], report["update"]["age_p50_ms"]  # of the newest 20,000
+        return (first, last), (memory[part], memory[count]), waited, report
 
 
 def drain(client):
@@ -80,18 +83,28 @@ def processor_time(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def judge(first, last, early, late, status, seconds):
-    print(f"{1e3 * first:.2f} -> {1e3 * last:.2f} ms per message; {early:.1f} -> {late:.1f} MB; "
+def judge(times, memory, ages, status, count):
+    """Check that the end is like the beginning, and that what was lost was counted.
+
+    Parameters
+    ----------
+    times, memory, ages : 2 floats
+        Processor time per message [s], memory [MB], median age of an intention [ms]; early, late.
+    """
+    print(f"{1e3 * times[0]:.2f} -> {1e3 * times[1]:.2f} ms of processor time per message; "
+          f"{memory[0]:.1f} -> {memory[1]:.1f} MB; median age {ages[0]:.1f} -> {ages[1]:.1f} ms; "
           f"{status}")  # fmt: skip
     incoming = status["incoming"]
-    assert incoming["received"] == int(seconds * RATE)  # none was lost on the way in, uncounted
+    assert incoming["received"] == count  # none was lost on the way in, uncounted
     assert status["intentions"] + 2 * incoming.get("dropped", 0) >= 2 * incoming["received"] - 8
-    assert last <= 1.5 * first
-    assert late <= early + 10.0
+    assert times[1] <= 1.5 * times[0]
+    assert memory[1] <= memory[0] + 10.0
+    assert ages[1] <= 1.5 * ages[0] + SLACK
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are read as on Linux")
-def test_ten_minutes_at_200_messages_a_second(ycb):
-    judge(*soak(ycb, SECONDS), SECONDS)
+@pytest.mark.parametrize("rate", [200.0, 1000.0])
+def test_ten_minutes_without_a_pause(ycb, rate):
+    judge(*soak(ycb, SECONDS, rate), int(SECONDS * rate))

@@ -71,7 +71,7 @@ def live(
     max_hands: Annotated[int, typer.Option(help="Hands looked for.", min=1, max=4)] = 2,
     out: Annotated[
         list[str] | None,
-        typer.Option(help="Where intentions go: ws, stdout, lsl, osc, udp, mqtt or ros2; "
+        typer.Option(help="Where intentions go: ws, stdout, lsl, udp, osc, mqtt or ros2; "
                      "repeatable."),
     ] = None,
     record: Annotated[
@@ -85,9 +85,6 @@ def live(
     reliability: options.Reliability = None,
     confirm: options.Confirm = False,
     person: options.Person = None,
-    osc_to: options.OscTo = "127.0.0.1:9001",
-    udp_to: options.UdpTo = "127.0.0.1:9002",
-    mqtt_broker: options.MqttBroker = "127.0.0.1:1883",
     device: options.Device = None,
     device_config: options.DeviceConfig = None,
     arm: options.Arm = False,
@@ -100,6 +97,10 @@ def live(
     host: options.Host = "127.0.0.1",
     port: options.Port = 8765,
     token: options.Token = None,
+    udp_to: options.UdpTo = Options.udp_to,
+    osc_to: options.OscTo = Options.osc_to,
+    mqtt: options.Mqtt = Options.mqtt,
+    ros_frame: options.RosFrame = Options.ros_frame,
     as_json: options.Json = False,
 ) -> None:  # fmt: skip
     """Watch a camera and predict what each hand is about to grasp, and with which grip.
@@ -118,8 +119,8 @@ def live(
         POSES.check(poses)
     pose_options = parse_options(option or [])
     output_options = Options(
-        host, port, token, osc_to=osc_to, udp_to=udp_to, mqtt_broker=mqtt_broker,
-        hands=tuple(assisted or HANDS),
+        host, port, token, hands=tuple(assisted or HANDS), udp_to=udp_to, osc_to=osc_to, mqtt=mqtt,
+        ros_frame=ros_frame,
     )  # fmt: skip
     outputs = {name: _output(name)(output_options) for name in out or []}
     process = device_process(device, device_config, arm, twin, headless)

@@ -63,6 +63,15 @@ Token = Annotated[
                  "the address."),
 ]  # fmt: skip
 
+UdpTo = Annotated[str, typer.Option(help="HOST:PORT that --out udp sends datagrams of JSON to.")]
+OscTo = Annotated[str, typer.Option(help="HOST:PORT that --out osc sends bundles to.")]
+Mqtt = Annotated[
+    str,
+    typer.Option(envvar="IGRIP_MQTT", help="Broker and prefix of --out mqtt: "
+                 "mqtt[s]://[USER:PASSWORD@]HOST[:PORT][/PREFIX]."),
+]  # fmt: skip
+RosFrame = Annotated[str, typer.Option(help="Frame of what --out ros2 sends.")]
+
 Device = Annotated[
     str | None,
     typer.Option(help="A device that acts on leases, in a process of its own: igrip drive, "
@@ -75,10 +84,6 @@ Arm = Annotated[
     bool, typer.Option("--arm", help="Let the device act. Without this, it says what it would do.")
 ]
 Twin = Annotated[bool, typer.Option("--twin", help="A virtual device, whatever the file names.")]
-
-OscTo = Annotated[str, typer.Option(help="HOST:PORT that --out osc sends to.")]
-UdpTo = Annotated[str, typer.Option(help="HOST:PORT that --out udp sends to.")]
-MqttBroker = Annotated[str, typer.Option(help="HOST:PORT of the broker of --out mqtt.")]
 
 Up = Annotated[
     str | None, typer.Option(help="The source's axis that points up: z (default), y, -z, …")

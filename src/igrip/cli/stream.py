@@ -28,12 +28,12 @@ from igrip.runtime.outputs import OUTPUTS
 def stream(
     inputs: Annotated[
         list[str] | None,
-        typer.Option("--in", help="Where observations come from: ws (default), stdin, lsl, "
-                     "osc or ros2; repeatable."),
+        typer.Option("--in", help="Where observations come from: ws (default), stdin, lsl, osc "
+                     "or ros2; repeatable."),
     ] = None,
     outputs: Annotated[
         list[str] | None,
-        typer.Option("--out", help="Where intentions go: ws (default), stdout, lsl, osc, udp, "
+        typer.Option("--out", help="Where intentions go: ws (default), stdout, lsl, udp, osc, "
                      "mqtt or ros2; repeatable."),
     ] = None,
     objects: options.Objects = None,
@@ -57,9 +57,10 @@ def stream(
         typer.Option(help="Name of the LSL stream to read. Default: each of type MoCap."),
     ] = None,
     osc_port: Annotated[int, typer.Option(help="UDP port of --in osc.", min=0, max=65535)] = 9000,
-    osc_to: options.OscTo = "127.0.0.1:9001",
-    udp_to: options.UdpTo = "127.0.0.1:9002",
-    mqtt_broker: options.MqttBroker = "127.0.0.1:1883",
+    udp_to: options.UdpTo = Options.udp_to,
+    osc_to: options.OscTo = Options.osc_to,
+    mqtt: options.Mqtt = Options.mqtt,
+    ros_frame: options.RosFrame = Options.ros_frame,
     senders_clock: Annotated[
         bool | None,
         typer.Option("--senders-clock/--arrival-clock",
@@ -83,10 +84,8 @@ def stream(
     Example: igrip stream --in stdin --out stdout < reach.jsonl
     """
     frame = DeclaredFrame.declare(up, axes, handedness, quaternions, length_unit, time_unit)
-    shared = Options(
-        host, port, token, name, lsl_source, osc_port, osc_to, udp_to, mqtt_broker,
-        tuple(assisted or HANDS), frame,
-    )  # fmt: skip
+    shared = Options(host, port, token, name, lsl_source, osc_port, tuple(assisted or HANDS), frame,
+                     udp_to, osc_to, mqtt, ros_frame)  # fmt: skip
     members = {key: INPUTS.get(key)(shared) for key in inputs or ["ws"]}
     outlets = {key: OUTPUTS.get(key)(shared) for key in outputs or ["ws"]}
     piped = len(members) == 1 and all(member.single_sender for member in members.values())

@@ -20,9 +20,10 @@ class Options:
     stream_name: str = "igrip"  # of the Lab Streaming Layer streams
     source_name: str | None = None  # of the LSL stream that is read; None: each of type MoCap
     osc_port: int = 9000  # 0: any that is free
-    osc_to: str = "127.0.0.1:9001"  # where --out osc sends; the port is not that of --in osc
-    udp_to: str = "127.0.0.1:9002"
-    mqtt_broker: str = "127.0.0.1:1883"
     hands: tuple[str, ...] = HANDS  # that have channels in a signal
     frame: DeclaredFrame = field(default_factory=DeclaredFrame)  # of what inputs receive
+    udp_to: str = "127.0.0.1:9870"
+    osc_to: str = "127.0.0.1:9001"
+    mqtt: str = "mqtt://127.0.0.1:1883/igrip"  # [mqtt|mqtts]://[user:password@]host[:port]/prefix
+    ros_frame: str = "world"  # the frame of poses that are sent
     shared: dict[str, Any] = field(default_factory=dict)  # such as one server of input and output

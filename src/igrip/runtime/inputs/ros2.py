@@ -1,125 +1,99 @@
-"""Observations from ROS 2: a ``geometry_msgs/PoseStamped`` for each hand and object, or tf.
+"""Observations from ROS 2: stamped poses and transforms, found by the types of their topics.
 
-``/igrip/hands/HAND/pose`` and ``/igrip/objects/NAME/pose`` are found as they appear; NAME is also
-that of the model. A name of ROS must not begin with a digit: an underscore before it is left out
-(``/igrip/objects/_006_mustard_bottle/pose``). Transforms on ``/tf`` whose child frame is a hand
-(``right_hand``) or a model are taken too, where the package ``tf2_msgs`` is installed. All are in
-one fixed frame, the first that comes; others are refused.
+A topic that is named as a hand (``/right_hand/pose``) is a hand, every other one an object whose
+model is named as it is: the rules of bags (:mod:`igrip.io.ros2.messages`).
 """
 
 from __future__ import annotations
 
-import contextlib
+import re
 import threading
+import time
 from typing import Any
 
 from igrip.errors import ObservationError, requires_extra
+from igrip.io.hand_ids import match_hand
+from igrip.io.ros2.messages import READABLE, RosMessages
 from igrip.runtime.inputs import INPUTS
-from igrip.runtime.inputs._named_poses import NamedPoses
 from igrip.runtime.loop import Loop, Sender
 from igrip.runtime.options import Options
+from igrip.runtime.ros_node import RosNode, message_type
 
-with requires_extra("ros-rclpy", "ros2-live", "ROS 2"):
-    import rclpy
-    from geometry_msgs.msg import PoseStamped
-    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-    from rclpy.qos import QoSProfile, QoSReliabilityPolicy
+with requires_extra("ros-rclpy", "ros", "ROS 2"):
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-HANDS, OBJECTS, END = "/igrip/hands/", "/igrip/objects/", "/pose"
-LOOK_INTERVAL = 0.5  # s between two looks for new topics
+LOOK = 0.5  # s between two looks for new topics
+PATIENCE = 5.0  # s without any topic after which those that there are are named
 MAX_TOPICS = 256
+MAX_BYTES = 1 << 20  # of a message
+OWN = re.compile(r"^/igrip/")  # what an output publishes
 
 
 @INPUTS.register("ros2")
 class Ros2Input:
-    """A node that subscribes, in a thread and a context of its own."""
+    """Subscribes to every topic of a readable type; topics that come later are found.
+
+    A subscription is best-effort, which receives from reliable publishers too.
+    """
 
     single_sender = False
 
     def __init__(self, options: Options) -> None:
-        self._frame, self._poses = options.frame, NamedPoses(options.hands)
-        self._world: str | None = None
-        self._topics: set[str] = set()
-        self._context: Any = None
+        self._ros, self._hands = RosNode.shared(options), options.hands
+        self._messages = RosMessages()
+        self._sender = Sender(name="ros2", frame=options.frame)
+        self._topics: dict[str, Any] = {}
+        self._stop, self._open = threading.Event(), False
 
     def start(self, loop: Loop) -> None:
-        """Make the node, and begin to look for topics."""
+        """Begin to look for topics, in a thread."""
         self._loop = loop
-        self._sender = Sender(name="ros2", frame=self._frame)
-        self._context = rclpy.Context()
-        rclpy.init(context=self._context)
-        self._node = rclpy.create_node("igrip_input", context=self._context)
-        self._qos = QoSProfile(depth=8, reliability=QoSReliabilityPolicy.BEST_EFFORT)
-        self._node.create_timer(LOOK_INTERVAL, self._look)
-        try:
-            from tf2_msgs.msg import TFMessage
-        except ImportError:
-            pass
-        else:
-            self._node.create_subscription(TFMessage, "/tf", self._transforms, 64)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._look()
-        self._thread = threading.Thread(target=self._run, name="igrip-ros2", daemon=True)
+        self._node, self._open = self._ros.open(loop.session), True
+        self._thread = threading.Thread(target=self._look, name="igrip-ros2-in", daemon=True)
         self._thread.start()
 
-    def _run(self) -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+    def close(self) -> None:
+        """Receive no more."""
+        self._stop.set()
+        if self._open:
+            self._open = False
+            self._thread.join(timeout=5.0)
+            self._ros.close()
 
     def _look(self) -> None:
-        for topic, kinds in self._node.get_topic_names_and_types():
-            is_pose = "geometry_msgs/msg/PoseStamped" in kinds and topic.endswith(END)
-            if topic in self._topics or len(self._topics) >= MAX_TOPICS or not is_pose:
-                continue
-            for prefix in (HANDS, OBJECTS):
-                if topic.startswith(prefix):
-                    self._topics.add(topic)
-                    name = topic[len(prefix) : -len(END)].removeprefix("_")
-                    self._node.create_subscription(
-                        PoseStamped, topic, self._taker(name, prefix == HANDS), self._qos
-                    )
+        begin = time.monotonic()
+        while not self._stop.is_set():
+            for topic, kinds in self._node.get_topic_names_and_types():
+                if topic not in self._topics and not OWN.match(topic):
+                    self._subscribe(topic, kinds)
+            if not self._topics and time.monotonic() - begin > PATIENCE:
+                self._loop.warn(f"ros2: no topic yet of {', '.join(READABLE)}")
+            self._stop.wait(LOOK)
 
-    def _taker(self, name: str, is_hand: bool) -> Any:
-        def take(message: Any) -> None:
-            pose = message.pose
-            self._take(name, message.header, pose.position, pose.orientation, is_hand)
-
-        return take
-
-    def _transforms(self, message: Any) -> None:
-        for one in message.transforms:
-            moved = one.transform
-            self._take(one.child_frame_id, one.header, moved.translation, moved.rotation, None)
-
-    def _take(
-        self, name: str, header: Any, position: Any, rotation: Any, is_hand: bool | None
-    ) -> None:
-        """Submit a pose as one message; ``is_hand`` None: as its name says."""
-        self._world = self._world or header.frame_id
-        if header.frame_id != self._world:
-            self._loop.warn(f"ros2: {name!r:.60} is in frame {header.frame_id!r:.60}, not in "
-                            f"{self._world!r:.60}: left out")  # fmt: skip
+    def _subscribe(self, topic: str, kinds: list[str]) -> None:
+        kind = next((kind for kind in kinds if kind in READABLE), None)
+        if kind is None or len(self._topics) >= MAX_TOPICS:
             return
-        dated = header.stamp.sec + header.stamp.nanosec * 1e-9
-        message: dict[str, Any] = {"hands": {}, "objects": {}}
-        message["t"] = dated if dated > 0.0 else self._loop.now() / self._frame.seconds
-        place = [position.x, position.y, position.z]
-        turn = [rotation.x, rotation.y, rotation.z, rotation.w]
-        if is_hand and self._poses.hand(name) is None:
-            self._loop.warn(f"ros2: {name!r:.60} is none of the hands that --assisted names")
+        found = message_type(kind)
+        if found is None:
+            self._loop.warn(f"ros2: {topic} needs the package of {kind}, which is not installed")
+            self._topics[topic] = None
             return
-        self._poses.add(message, name, place, turn)
-        if message["hands"] or message["objects"]:
-            try:
-                self._loop.submit(self._sender.read(message), self._sender)
-            except ObservationError as error:
-                self._loop.count("malformed")
-                self._loop.warn(f"ros2: {error}")
+        profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._topics[topic] = self._node.create_subscription(
+            found, topic, lambda data: self._receive(topic, kind, data), profile, raw=True
+        )
+        self._loop.announce(f"ros2: {topic} ({kind})")
 
-    def close(self) -> None:
-        """End the node."""
-        if self._context is not None and self._context.ok():
-            self._executor.shutdown(timeout_sec=1.0)
-            rclpy.shutdown(context=self._context)
-            self._thread.join(timeout=2.0)
+    def _receive(self, topic: str, kind: str, data: bytes) -> None:
+        try:
+            if len(data) > MAX_BYTES:
+                raise ObservationError("message", f"of {topic} is larger than {MAX_BYTES} bytes")
+            message = self._messages.read(topic, kind, time.time(), bytes(data))
+            message["hands"] = {
+                match_hand(id, self._hands) or id: hand for id, hand in message["hands"].items()
+            }
+            self._loop.submit(self._sender.read(message), self._sender)
+        except ObservationError as error:
+            self._loop.count("malformed")
+            self._loop.warn(f"ros2: {error}")

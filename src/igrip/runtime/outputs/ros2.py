@@ -1,125 +1,147 @@
-"""Intentions in ROS 2: standard messages, markers for RViz, and QoS that follows from the lease.
+"""Intentions on ROS 2, as standard messages, and markers for RViz.
 
-Topics of the node ``igrip``: ``/igrip/HAND/intention`` (``std_msgs/String``, the JSON of the wire),
-``/igrip/HAND/contact`` (``geometry_msgs/PointStamped``, where the palm will touch) and
-``/igrip/markers`` (``visualization_msgs/MarkerArray``). The lifespan is that of a lease: what was
-not received by then is not received at all. The deadline is the same: a subscriber that asks for
-it is told when intentions stay away.
+Lifespan and deadline of each topic are the duration of a lease: a message that waited for longer is
+not delivered, and a subscription that asks for the deadline is told when the topic falls silent.
 """
 
 from __future__ import annotations
 
+import re
+import threading
+from collections.abc import Mapping
 from typing import Any
 
-from igrip.commitment_config import CommitmentConfig
 from igrip.errors import requires_extra
 from igrip.intention import Intention
+from igrip.runtime.bounded_queue import BoundedQueue
 from igrip.runtime.envelope import Envelope
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import Options
 from igrip.runtime.outputs import OUTPUTS
+from igrip.runtime.ros_node import RosNode
 
-with requires_extra("ros-rclpy", "ros2-live", "ROS 2"):
-    import rclpy
+with requires_extra("ros-visualization-msgs", "ros", "ROS 2"):
     from geometry_msgs.msg import PointStamped
     from rclpy.duration import Duration
-    from rclpy.qos import QoSHistoryPolicy, QoSProfile, QoSReliabilityPolicy
-    from std_msgs.msg import String
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+    from std_msgs.msg import Float64, String
     from visualization_msgs.msg import Marker, MarkerArray
 
-MAX_HANDS = 32
-FRAME = "world"
-LEASE: float = CommitmentConfig().lease_duration  # s
+CLOSE_TIMEOUT = 2.0  # s
+MAX_HANDS = 32  # hands with topics of their own, however many ids come and go
+GREEN, YELLOW = (0.2, 0.8, 0.3, 0.9), (0.95, 0.75, 0.1, 0.8)
 
 
-def lease_qos() -> Any:
-    """Return the quality of service of what a lease is part of."""
+def lease_profile(lease: float, depth: int = 8) -> QoSProfile:
+    """Return the quality of service of a topic that holds for a lease [s]."""
+    duration = Duration(seconds=lease)
     return QoSProfile(
-        history=QoSHistoryPolicy.KEEP_LAST, depth=1,
-        reliability=QoSReliabilityPolicy.BEST_EFFORT,
-        lifespan=Duration(seconds=LEASE), deadline=Duration(seconds=LEASE),
-    )  # fmt: skip
+        depth=depth, reliability=ReliabilityPolicy.RELIABLE, lifespan=duration, deadline=duration
+    )
 
 
 @OUTPUTS.register("ros2")
 class Ros2Output:
-    """A node that publishes, in a context of its own."""
+    """Publishes, in a thread: what waits too long for it is dropped, oldest first."""
 
     def __init__(self, options: Options) -> None:
-        self._name = options.stream_name
-        self._publishers: dict[str, tuple[Any, Any]] = {}
-        self._context: Any = None
-        self._sent = self._lost = 0
+        self._ros, self._frame = RosNode.shared(options), options.ros_frame
+        self._queue: BoundedQueue[Envelope] = BoundedQueue()
+        self._thread = threading.Thread(target=self._run, name="igrip-ros2-out", daemon=True)
+        self._publishers: dict[tuple[str, str], Any] = {}
+        self._sent, self._open = 0, False
 
     def start(self, loop: Loop) -> None:
-        """Make the node."""
-        self._context = rclpy.Context()
-        rclpy.init(context=self._context)
-        self._node = rclpy.create_node(self._name, context=self._context)
-        self._markers = self._node.create_publisher(
-            MarkerArray, f"/{self._name}/markers", lease_qos()
-        )
+        """Open the node and its topics."""
+        self._node, self._open = self._ros.open(loop.session), True
+        self._profile = lease_profile(loop.estimator.config.commitment.lease_duration)
+        self._intentions = self._node.create_publisher(String, "/igrip/intentions", self._profile)
+        self._markers = self._node.create_publisher(MarkerArray, "/igrip/markers", self._profile)
+        loop.announce("ros2: /igrip/intentions, /igrip/markers, /igrip/HAND/…")
+        self._thread.start()
 
     def send(self, envelope: Envelope) -> None:
-        """Publish an intention; nobody is waited for."""
-        intention = envelope.intention
-        publishers = self._of(intention.hand)
-        if publishers is None:
-            self._lost += 1
-            return
-        stamp = self._node.get_clock().now().to_msg()
-        publishers[0].publish(String(data=envelope.to_json().decode()))
-        if intention.contact is not None:
-            point = PointStamped()
-            point.header.frame_id, point.header.stamp = FRAME, stamp
-            point.point.x, point.point.y, point.point.z = map(float, intention.contact)
-            publishers[1].publish(point)
-        self._markers.publish(markers(intention, envelope.to_dict()["valid_for"], stamp))
-        self._sent += 1
+        """Queue an intention."""
+        self._queue.put(envelope)
 
-    def _of(self, hand: str) -> tuple[Any, Any] | None:
-        if hand not in self._publishers:
-            if len(self._publishers) >= MAX_HANDS:
+    def _run(self) -> None:
+        while not self._queue.finished:
+            envelope = self._queue.get()
+            if envelope is not None:
+                self._publish(envelope)
+                self._sent += 1
+
+    def _publish(self, envelope: Envelope) -> None:
+        message, intention = envelope.to_dict(), envelope.intention
+        stamp = (self._node.get_clock().now() - Duration(seconds=message["age"])).to_msg()
+        self._intentions.publish(String(data=envelope.to_json().decode()))
+        permitted = self._publisher(intention.hand, "permitted_for", Float64)
+        if permitted is not None:
+            permitted.publish(Float64(data=message["valid_for"] or 0.0))
+        contact = self._publisher(intention.hand, "contact", PointStamped)
+        if contact is not None and intention.contact is not None:
+            point = PointStamped()
+            point.header.frame_id, point.header.stamp = self._frame, stamp
+            point.point.x, point.point.y, point.point.z = map(float, intention.contact)
+            contact.publish(point)
+        self._markers.publish(
+            MarkerArray(markers=markers_of(intention, message, self._frame, stamp))
+        )
+
+    def _publisher(self, hand: str, name: str, kind: type[Any]) -> Any:
+        """Return the publisher of a topic of a hand; None: there are too many hands."""
+        hand = re.sub(r"[^A-Za-z0-9_]", "_", hand)
+        hand = f"_{hand}" if hand[:1].isdigit() else hand
+        key = hand, name
+        if key not in self._publishers:
+            if len(self._publishers) >= 2 * MAX_HANDS:
                 return None
-            part = "".join(sign if sign.isascii() and sign.isalnum() else "_" for sign in hand)
-            part = f"hand_{part}" if not part[:1].isalpha() else part
-            base = f"/{self._name}/{part}"
-            self._publishers[hand] = (
-                self._node.create_publisher(String, f"{base}/intention", lease_qos()),
-                self._node.create_publisher(PointStamped, f"{base}/contact", lease_qos()),
-            )
-        return self._publishers[hand]
+            topic = f"/igrip/{hand}/{name}"
+            self._publishers[key] = self._node.create_publisher(kind, topic, self._profile)
+        return self._publishers[key]
 
     def counts(self) -> dict[str, int]:
-        """Return how many intentions were published, and how many had no topic."""
-        return {"sent": self._sent, "lost": self._lost}
+        """Return how many intentions were published, and how many lost."""
+        return {"sent": self._sent, "lost": self._queue.counts["dropped"]}
 
     def close(self) -> None:
-        """End the node."""
-        if self._context is not None and self._context.ok():
-            self._node.destroy_node()
-            rclpy.shutdown(context=self._context)
+        """Publish what waits, and close the node."""
+        self._queue.close()
+        if self._thread.is_alive():
+            self._thread.join(CLOSE_TIMEOUT)
+        if self._open:
+            self._open = False
+            self._ros.close()
 
 
-def markers(intention: Intention, valid_for: float | None, stamp: Any) -> Any:
-    """Return what RViz draws: a ball where the palm will touch, and the words beside it.
+def markers_of(
+    intention: Intention, message: Mapping[str, Any], frame: str, stamp: Any
+) -> list[Marker]:
+    """Return a sphere at the contact and a text above it; both vanish with the lease.
 
-    Both vanish after the lifetime of a lease; the ball is green while there is one.
+    Green where a device may act, yellow where the target is only expected. Without a contact, the
+    hand's markers are taken away.
     """
-    array = MarkerArray()
-    if intention.contact is None:
-        return array
+    permitted, markers = message["valid_for"], []
     for number, kind in enumerate((Marker.SPHERE, Marker.TEXT_VIEW_FACING)):
-        marker = Marker(type=kind, action=Marker.ADD, id=number, ns=intention.hand)
-        marker.header.frame_id, marker.header.stamp = FRAME, stamp
-        place = marker.pose.position
-        place.x, place.y, place.z = map(float, intention.contact)
-        marker.pose.orientation.w = 1.0
-        marker.scale.x = marker.scale.y = marker.scale.z = 0.04
-        marker.color.g, marker.color.a = (1.0, 0.9) if valid_for else (0.5, 0.5)
-        marker.color.r = marker.color.b = 0.0 if valid_for else 0.5
-        marker.lifetime.nanosec = int(LEASE * 1e9)
-        array.markers.append(marker)
-    array.markers[1].pose.position.z += 0.06
-    array.markers[1].text = f"{intention.target or ''} {intention.grip or ''}".strip()
-    return array
+        marker = Marker()
+        marker.header.frame_id, marker.header.stamp = frame, stamp
+        marker.ns, marker.id, marker.type = intention.hand, number, kind
+        marker.action = Marker.DELETE if intention.contact is None else Marker.ADD
+        if intention.contact is not None:
+            at = marker.pose.position
+            at.x, at.y, at.z = map(float, intention.contact)
+            at.z += 0.06 * number
+            marker.pose.orientation.w = 1.0
+            marker.scale.x = marker.scale.y = marker.scale.z = 0.03
+            colour = GREEN if permitted else YELLOW
+            marker.color.r, marker.color.g, marker.color.b, marker.color.a = colour
+            marker.text = _caption(intention) if number else ""
+            marker.lifetime = Duration(seconds=permitted or 0.15).to_msg()
+        markers.append(marker)
+    return markers
+
+
+def _caption(intention: Intention) -> str:
+    sure = "" if intention.confidence is None else f" {intention.confidence:.0%}"
+    return f"{intention.target or 'no target'}, {intention.grip or 'no grip'}{sure}"

@@ -1,4 +1,4 @@
-"""Intentions as datagrams of JSON."""
+"""Intentions as datagrams of JSON (UDP), one each."""
 
 from __future__ import annotations
 
@@ -6,27 +6,29 @@ from igrip.runtime.envelope import Envelope
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import Options
 from igrip.runtime.outputs import OUTPUTS
-from igrip.runtime.outputs._datagrams import Datagrams
+from igrip.runtime.outputs._address import DatagramSocket
 
 
 @OUTPUTS.register("udp")
 class UdpOutput:
-    """One datagram for each intention; nothing says whether it arrives."""
+    """Sends each intention to one address; a datagram that is lost stays lost."""
 
     def __init__(self, options: Options) -> None:
-        self._datagrams = Datagrams(options.udp_to, "--udp-to")
+        self._to = options.udp_to
+        self._socket = DatagramSocket(options.udp_to, "--udp-to")
 
     def start(self, loop: Loop) -> None:
-        """Nothing: there is no connection."""
+        """Announce where intentions go."""
+        loop.announce(f"udp://{self._to}")
 
     def send(self, envelope: Envelope) -> None:
-        """Send one, or lose it."""
-        self._datagrams.send(envelope.to_json())
+        """Send one datagram."""
+        self._socket.send(envelope.to_json())
 
     def counts(self) -> dict[str, int]:
-        """Return how many were sent, and how many the system did not take."""
-        return dict(self._datagrams.counts)
+        """Return how many datagrams were sent, and how many could not be."""
+        return self._socket.counts()
 
     def close(self) -> None:
         """Close the socket."""
-        self._datagrams.close()
+        self._socket.close()
