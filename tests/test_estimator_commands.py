@@ -22,13 +22,13 @@ def message(k, *hands):
 def test_commands_for_unknown_hands_never_block_one_for_a_hand_that_is_followed(shapes):
     estimator = igrip.Estimator(shapes)
     for k in range(1000):
-        with contextlib.suppress(IgripError):  # too many
+        with contextlib.suppress(IgripError):  # their number has a limit
             estimator.veto(f"unknown-{k}")
     estimator.update(message(0, "right", "left"))
     for command in (estimator.veto, estimator.confirm, estimator.notify_released):
         assert [i.hand for i in command("right")] == ["right"]
     assert [i.hand for i in estimator.veto("left")] == ["left"]
-    with pytest.raises(IgripError, match="too many"):
+    with pytest.raises(IgripError, match="number of hands has reached its limit"):
         estimator.veto("another")
 
 

@@ -114,4 +114,5 @@ def test_objects_of_a_rendered_camera_are_found_recorded_and_replayed(tmp_path):
         [sys.executable, "-m", "igrip", "replay", str(out)], capture_output=True, text=True,
         timeout=120, check=False,
     )  # fmt: skip
-    assert again.returncode == 0, again.stderr
+    assert again.returncode == 2
+    assert f"no hand in {len(messages)} messages" in again.stderr

@@ -33,9 +33,11 @@ WAIT = 240  # s; a busy machine is slow
 ARGUMENTS = {
     "bench": ["--frames", "20", "--runs", "1"],
     "calibrate": ["--camera", "rendered", "--out", "cameras.json"],
+    "certify": ["--device", "serial", "--config", "device.toml"],
     "check": ["small"],
     "demo": ["--headless", "--speed", "0", "--duration", "1"],
     "doctor": [],
+    "drive": ["--device", "serial", "--config", "device.toml", "--headless"],
     "evaluate": ["small", "--out", "report", "--targets", "distance"],
     "grips": [],
     "import": ["table.csv", "--out", "imported"],
@@ -55,6 +57,7 @@ def folder(tmp_path, monkeypatch, small_dataset):
     """A working folder with a dataset ``small``, a table, a file and a folder."""
     (tmp_path / "table.csv").write_text("a,b\n1,2\n")
     (tmp_path / "file").write_text("kept")
+    (tmp_path / "device.toml").write_text('port = "twin"\n')
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(console.errors, "_width", 300)
@@ -99,7 +102,7 @@ FILES = [
     ("replay", "--out", ".csv"), ("replay", "--out", ".jsonl"), ("replay", "--out", ".parquet"),
     ("stream", "--person", ".json"),
 ]  # fmt: skip
-FOLDERS = [("evaluate", "--out"), ("import", "--out"), ("simulate", None)]
+FOLDERS = [("certify", "--out"), ("evaluate", "--out"), ("import", "--out"), ("simulate", None)]
 
 
 def with_option(command, option, value):
@@ -187,8 +190,10 @@ def test_a_disk_that_is_full(folder, monkeypatch):
 # names --------------------------------------------------------------------------------------------
 
 TYPOS = [
+    (["certify", "--device", "rehastm2", "--config", "device.toml"], "rehastim2"),
     (["demo", "--targets", "bayse"], "bayes"),
     (["demo", "--headless", "--fault", "frezze@1+1"], "freeze"),
+    (["drive", "--device", "serail", "--config", "device.toml"], "serial"),
     (["evaluate", "small", "--out", "r", "--targets", "papre"], "paper"),
     (["evaluate", "small", "--out", "r", "--grips", "contcat"], "contact"),
     (["evaluat"], "evaluate"),
@@ -306,7 +311,9 @@ def interrupt(*_, **__):
 @pytest.mark.parametrize("command", sorted({*COMMANDS} & {*ARGUMENTS} - {"list", "schema"}))
 def test_ctrl_c_before_anything_was_done(folder, monkeypatch, command):
     module = importlib.import_module(target_of(command)[0])
-    first = {"calibrate": "open_camera", "record": "open_camera"}.get(command, "load_objects")
+    first = {"calibrate": "open_camera", "record": "open_camera", "drive": "open_source"}.get(
+        command, "load_objects"
+    )
     opener = module
     if not hasattr(module, first):  # the evaluation loads them itself
         opener = importlib.import_module("igrip.lab.evaluation.evaluation")

@@ -75,9 +75,12 @@ def test_a_reader_that_goes_away_is_no_crash(tmp_path):
         ("--reliability=2", "--reliability"),
         (
             "--in=carrier-pigeon",
-            "no input is named 'carrier-pigeon'; there are: lsl, osc, stdin, ws",
+            "no input is named 'carrier-pigeon'; there are: lsl, osc, ros2, stdin, ws",
         ),
-        ("--out=carrier-pigeon", "no output is named 'carrier-pigeon'; there are: lsl, stdout, ws"),
+        (
+            "--out=carrier-pigeon",
+            "no output is named 'carrier-pigeon'; there are: lsl, mqtt, osc, ros2, stdout, udp, ws",
+        ),
         ("--targets=nobody", "nobody"),
         ("--senders-clock", "--in stdin alone"),
     ],

@@ -160,5 +160,5 @@ def test_the_error_without_the_packages_names_the_extra(tmp_path, monkeypatch, p
     monkeypatch.setattr(builtins, "__import__", without)
     use = {"pandas": read_intentions(ALL).to_frame,
            "pyarrow": lambda: open_intention_writer(tmp_path / "i.parquet")}  # fmt: skip
-    with pytest.raises(MissingExtraError, match=r"igrip\[tables\]"):
+    with pytest.raises(MissingExtraError, match=r"\(extra tables\): pip install 'pandas"):
         use[package]()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 FLAT = 0.02  # thickness of a plane in terms of its width
 LARGER = 2.0  # times that it is wider than all that stands on it
-APART = 0.5  # of the largest body's size: a gap between two bodies of one object is smaller
+APART = 1.0  # of the largest body's size: a gap between two bodies of one object is smaller
 
 
 def without_ground_plane(loaded: Any) -> tuple[trimesh.Trimesh | None, str | None]:

@@ -233,3 +233,9 @@ def test_a_frame_that_is_none_is_named(tmp_path, frame):
     path.write_text(json.dumps(json.loads(path.read_text()) | {"frame": frame}))
     with pytest.raises(DatasetError, match=r"dataset\.json: frame"):
         Dataset.open(tmp_path / "d").observations(dataset.trials[0])
+
+
+@pytest.mark.parametrize("grip", ["Palmar", "palmer", "PALMAR"])
+def test_a_grip_that_is_nearly_one_is_named(tmp_path, grip):
+    dataset = rewritten(tmp_path, "palmar", grip)
+    assert any(f"{grip!r}" in text and "mean 'palmar'" in text for _, text in flaws(dataset))

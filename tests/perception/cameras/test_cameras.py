@@ -41,9 +41,9 @@ def test_an_unknown_camera():
 @pytest.mark.parametrize(
     ("name", "package", "advice"),
     [
-        ("oak", "depthai", r"pip install 'igrip\[oak\]'"),
-        ("realsense", "pyrealsense2", r"pip install 'igrip\[realsense\]'"),
-        ("webcam", "cv2", r"pip install 'igrip\[hands\]'"),
+        ("oak", "depthai", r"\(extra oak\): pip install 'depthai"),
+        ("realsense", "pyrealsense2", r"\(extra realsense\): pip install 'pyrealsense2"),
+        ("webcam", "cv2", r"\(extra hands\): pip install .*'opencv-python-headless"),
     ],
 )
 def test_a_missing_package(monkeypatch, name, package, advice):

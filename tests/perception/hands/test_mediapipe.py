@@ -99,7 +99,7 @@ def test_cameras_are_kept_apart(detectors):
 
 def test_without_the_package_it_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "mediapipe", None)
-    with pytest.raises(MissingExtraError, match=r"igrip\[hands\]"):
+    with pytest.raises(MissingExtraError, match=r"\(extra hands\): pip install 'mediapipe"):
         HANDS.get("mediapipe")()
 
 

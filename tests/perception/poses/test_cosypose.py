@@ -297,7 +297,7 @@ def test_a_length_that_makes_no_sense_is_not_read(speak, client):
 
     estimator = client(speak(huge, good))
     assert estimator.estimate(frame(0.0)) == {}
-    assert "no sense" in estimator.problem
+    assert "reply cannot be read" in estimator.problem
 
 
 BAD = [

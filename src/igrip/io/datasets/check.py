@@ -154,7 +154,8 @@ def _task_flaws(trial: Trial, content: _Content) -> list[Flaw]:
         text = f"target {trial.target!r} never appears{near_miss(trial.target, objects)}"
         flaws.append(Flaw("error", f"{text}; there are {_list(objects)}"))
     if trial.grip is not None and trial.grip not in GRIPS:
-        flaws.append(Flaw("remark", f"grip {trial.grip!r} is neither palmar nor pinch"))
+        text = f"grip {trial.grip!r} is neither palmar nor pinch{near_miss(trial.grip, GRIPS)}"
+        flaws.append(Flaw("remark", text))
     if trial.camera_side not in (None, *SIDES):
         flaws.append(Flaw("remark", f"camera_side {trial.camera_side!r} is neither left nor right"))
     begin, end = content.times[0], content.times[-1]
