@@ -237,5 +237,5 @@ def test_a_frame_that_is_none_is_named(tmp_path, frame):
 
 @pytest.mark.parametrize("grip", ["Palmar", "palmer", "PALMAR"])
 def test_a_grip_that_is_nearly_one_is_named(tmp_path, grip):
-    dataset = rewritten(tmp_path, "palmar", grip)
+    dataset = rewritten(tmp_path, "\tright\tnear\t\t", f"\tright\tnear\t{grip}\t")
     assert any(f"{grip!r}" in text and "mean 'palmar'" in text for _, text in flaws(dataset))
