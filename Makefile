@@ -67,7 +67,7 @@ clean:  ## remove the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs,devices]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs,devices,benchmark,cluster]'
 	$(PIP) install --no-deps --constraint constraints.txt ability-hand nml-hand-exo
 	# ROS 2 has no wheels for some machines and versions of Python: its tests are skipped there
 	-$(PIP) install --constraint constraints.txt --editable '.[ros]'
@@ -78,6 +78,7 @@ bench: $(READY)  ## measure the speed beside other engines; the picture of docs/
 
 pictures: $(READY)  ## draw the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py
+	$(BIN)/python docs/make_study_pictures.py
 	$(BIN)/python docs/make_pages.py
 
 docs: $(READY)  ## build the documentation site into build/site; a warning is an error

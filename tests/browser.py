@@ -31,3 +31,11 @@ def open_page(url: str, width: int = 1280, height: int = 1000) -> Iterator[Any]:
         page.goto(url)
         yield page
         browser.close()
+
+
+def accessibility_problems(page: Any) -> list[tuple[str, str]]:
+    """Return the rules of axe that a page breaks, each with the first place."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    found = Axe().run(page).response["violations"]
+    return [(rule["id"], rule["nodes"][0]["html"][:200]) for rule in found]

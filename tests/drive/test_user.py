@@ -12,7 +12,7 @@ import pytest
 
 from igrip.drive.user import RmsMeter, parse_signal
 from igrip.errors import IgripError
-from runtime_fakes import until
+from runtime_fakes import stays_open, until
 
 
 def test_a_key_is_a_letter():
@@ -55,8 +55,13 @@ def test_a_lost_button_counts_as_pressed():
 def test_a_marker_and_an_emg_on_lsl():
     pylsl = pytest.importorskip("pylsl")
     name = f"igrip-test-{os.getpid()}"
-    text = pylsl.StreamOutlet(pylsl.StreamInfo(f"{name}-m", "Markers", 1, 0, "string", f"{name}-m"))
-    emg = pylsl.StreamOutlet(pylsl.StreamInfo(f"{name}-e", "EMG", 2, 200, "float32", f"{name}-e"))
+    text, emg = (
+        stays_open(pylsl.StreamOutlet(pylsl.StreamInfo(*info)))
+        for info in (
+            (f"{name}-m", "Markers", 1, 0, "string", f"{name}-m"),
+            (f"{name}-e", "EMG", 2, 200, "float32", f"{name}-e"),
+        )
+    )
     said = []
     signals = [parse_signal(f"marker:{name}-m=stop now"), parse_signal(f"emg:{name}-e/1>0.5")]
     for signal, what in zip(signals, ("marker", "emg"), strict=True):

@@ -21,6 +21,7 @@ COMMANDS = {
     "replay": "Run estimators over recordings and summarise their predictions.",
     "evaluate": "Evaluate estimators over a dataset: summary.json, trials.parquet, report.html, "
     "figures.",
+    "benchmark": "Judge estimators, igrip's own and others, over sets of reaches: one table.",
     "tune": "Tune commitments to one person, from 8 to 50 of their trials, or to a cohort.",
     "simulate": "Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.",
     "stream": "Receive observations from other programs and send them intentions, until Ctrl-C.",
@@ -29,10 +30,13 @@ COMMANDS = {
     "drive": "Let a device act on leases: dry by default, with --arm for real.",
     "certify": "Measure latencies and times to stop on this machine, and judge them by your "
     "limits.",
+    "experiment": "Run a study with people: plan, screens, recordings, and a dataset for igrip "
+    "evaluate.",
     "record": "Record colour, depth and intrinsics of cameras.",
     "calibrate": "Find where cameras stand from a board of AprilTags that lies still where all of "
     "them see it.",
     "import": "Turn motion-capture tables into a dataset.",
+    "export": "Write a dataset in another format, to publish it or to read it elsewhere.",
     "check": "Check a dataset: every trial, its recording, hand, target and models.",
     "bench": "Measure the speed of the estimator on this machine.",
     "list": "List the names that options take: estimators, cues, cameras, models and more.",
@@ -98,8 +102,12 @@ class LazyGroup(TyperGroup):
         if cmd_name not in COMMANDS:
             return None
         module, function = target_of(cmd_name)
-        single = typer.Typer(add_completion=False, rich_markup_mode=None)
         command = getattr(importlib.import_module(module), function)
+        if isinstance(command, typer.Typer):
+            group = typer.main.get_command(command)
+            group.name = cmd_name
+            return group
+        single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.command(cmd_name, cls=RenamingCommand)(command)
         return typer.main.get_command(single)
 

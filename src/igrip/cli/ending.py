@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 import typer
 
@@ -43,10 +43,11 @@ def end(command: Callable[[], object]) -> NoReturn:
             raise
         _print(text)
         code = WRONG
-    with suppress(OSError):
-        sys.stdout.flush()
-        sys.exit(code)
-    _discard_output()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError, AttributeError):
+            _discard(stream)
     sys.exit(code)
 
 
@@ -87,11 +88,11 @@ def _print(text: str) -> None:
         errors.print(f"igrip: {text}", style="red", soft_wrap=True)
 
 
-def _discard_output() -> None:
-    """Let the interpreter's last flush succeed where nobody reads standard output any more."""
+def _discard(stream: TextIO) -> None:
+    """Let the interpreter's last flush succeed where nobody reads a stream any more."""
     with suppress(OSError, ValueError, AttributeError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
+        os.dup2(nowhere, stream.fileno())
         os.close(nowhere)
 
 

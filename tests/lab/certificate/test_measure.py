@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+from browser import CHROMIUM, accessibility_problems, open_page
 from igrip.errors import IgripError
 from igrip.lab.certificate.measure import FAULTS, Limits, Stop, latencies, verdict
 from igrip.lab.certificate.page import page
@@ -74,5 +75,8 @@ def test_a_certificate_of_this_machine(tmp_path):
     assert all(one["never"] == 0 for one in found["stops"])
     html = (tmp_path / "out" / "certificate.html").read_text()
     assert html == page(found)
+    if CHROMIUM:
+        with open_page((tmp_path / "out" / "certificate.html").as_uri()) as shown:
+            assert accessibility_problems(shown) == []
     assert "no medical" in html
     assert f"{found['latency']['p99']:.1f} ms" in html

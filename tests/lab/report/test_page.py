@@ -13,6 +13,7 @@ from igrip import Config, load_objects
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.summary import frame_of, summarise
+from igrip.lab.parallel import Workers
 from igrip.lab.report import page
 from igrip.lab.report.claims import deviations, findings
 from igrip.lab.report.page import clean, error, percent, typical, write_report
@@ -37,7 +38,7 @@ def evaluated(tmp_path_factory):
     )
     dataset = Dataset.open(folder / "cohort")
     evaluation = Evaluation(dataset, CONFIGS, folder / "out")
-    list(evaluation.run(dataset.trials, 1))
+    list(evaluation.run(dataset.trials, Workers()))
     return dataset, catalog, frame_of(evaluation.rows)
 
 

@@ -52,17 +52,20 @@ def page(certificate: dict[str, Any]) -> str:
         *machine["versions"].items(),
     ]  # fmt: skip
     return f"""<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>
+<html lang="en"><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{escape(title)}</title><style>{STYLE}</style>
+<body><main>
 <h1>{escape(title)}</h1>
 <p class="{"bad" if beyond else "good"}"><strong>{judged}</strong></p><ul>{sentences}</ul>
 <p>{escape(NOTE)}</p>
 <h2>From observation to received intention</h2>
-{_table(("", "measured", "limit"), numbers)}
+{_table(("quantity", "measured", "limit"), numbers)}
 <h2>From the fault, or the last good observation, to the stop at the device [ms]</h2>
 {_table(("fault", "what happens", "each time", "limit"), stops)}
 <h2>Machine</h2>
-{_table(("", ""), facts)}
-</html>
+{_table(("fact", "value"), facts)}
+</main></body></html>
 """
 
 

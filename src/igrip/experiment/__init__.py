@@ -1,0 +1,1 @@
+"""Experiments with people: a study file, a plan, a journal of what happened, and screens."""

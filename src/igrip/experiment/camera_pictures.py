@@ -1,0 +1,52 @@
+"""What a camera sees now, with what was detected drawn in, for the experimenter's page."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from igrip.errors import requires_extra
+from igrip.observation import Observation
+from igrip.rgbd import RgbdFrame
+
+WIDTH = 640  # pixels at most
+QUALITY = 70  # of the JPEG
+HAND, OBJECT = (20, 120, 220), (40, 160, 60)  # colours, blue, green, red
+MIN_DEPTH = 0.05  # m; what is nearer to the camera is not drawn
+
+
+def camera_picture(frame: RgbdFrame, observation: Observation | None) -> bytes:
+    """Return a frame as JPEG, with a circle and a name at every hand and object that is seen."""
+    with requires_extra("opencv-python-headless", "mcap", "pictures of cameras"):
+        import cv2
+    height, width = frame.colour.shape[:2]
+    size = (min(width, WIDTH), max(1, round(height * min(width, WIDTH) / width)))
+    picture = cv2.cvtColor(cv2.resize(frame.colour, size), cv2.COLOR_RGB2BGR)
+    intrinsics = frame.intrinsics.scaled(*size)
+    camera_from_world = np.linalg.inv(frame.world_from_camera)
+    for name, position, colour in _seen(observation):
+        point = (camera_from_world @ [*position, 1.0])[:3]
+        if point[2] < MIN_DEPTH:
+            continue
+        u, v = intrinsics.pixels(point[None])[0]
+        if 0 <= u < size[0] and 0 <= v < size[1]:
+            at = (round(u), round(v))
+            cv2.circle(picture, at, 9, colour, 3, cv2.LINE_AA)
+            place = (at[0] + 12, at[1] + 5)
+            for thickness, ink in ((4, (255, 255, 255)), (1, (0, 0, 0))):
+                cv2.putText(
+                    picture, name, place, cv2.FONT_HERSHEY_SIMPLEX, 0.55, ink, thickness,
+                    cv2.LINE_AA,
+                )  # fmt: skip
+    _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return bytes(data)
+
+
+def _seen(
+    observation: Observation | None,
+) -> list[tuple[str, tuple[float, float, float], tuple[int, int, int]]]:
+    if observation is None:
+        return []
+    hands = [(id, one.position, HAND) for id, one in observation.hands.items() if one is not None]
+    return hands + [
+        (id, one.position, OBJECT) for id, one in observation.objects.items() if one is not None
+    ]

@@ -1,0 +1,231 @@
+"""Real cameras of a study: observations and frames of each, kept while a trial goes on."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from igrip.entities import ObjectPose
+from igrip.errors import CameraError, IgripError
+from igrip.experiment.camera_pictures import camera_picture
+from igrip.experiment.plan import PlannedTrial
+from igrip.experiment.study import Study, StudyError
+from igrip.io.mcap.frame_recorder import FrameRecorder
+from igrip.io.mcap.writer import McapWriter
+from igrip.observation import Observation
+from igrip.perception.cameras import Camera
+from igrip.rgbd import RgbdFrame
+
+MAX_AGE = 1.0  # s for which a hand or an object counts as seen
+
+
+class Observer(Protocol):
+    """What makes observations of one camera's frames; iterated once, in a thread."""
+
+    def __iter__(self) -> Iterator[Observation]: ...
+
+    def close(self) -> None:
+        """End the iteration, from any thread."""
+
+
+class TappedCamera:
+    """A camera whose frames are also given to a function.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+
+    Attributes
+    ----------
+    tap : function or None
+        Called with each frame, in the thread that reads them.
+    newest : RgbdFrame or None
+        The last frame.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self.tap: Callable[[RgbdFrame], object] | None = None
+        self.newest: RgbdFrame | None = None
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        for frame in self._camera:
+            tap, self.newest = self.tap, frame
+            if tap is not None:
+                tap(frame)
+            yield frame
+
+    def close(self) -> None:
+        """Close the camera."""
+        self._camera.close()
+
+
+class CameraRecorder:
+    """Records the observations and frames of several cameras, each in a file of its own.
+
+    Objects get the study's ids, by their models.
+
+    Parameters
+    ----------
+    study : Study
+        With the objects.
+    observers : mapping of str to Observer
+        Of each camera.
+    taps : mapping of str to TappedCamera
+        Their cameras, to keep the pictures; those that are missing keep none.
+    clock : function
+        Monotonic time [s].
+
+    Raises
+    ------
+    StudyError
+        If a camera of the study has no observer.
+    """
+
+    def __init__(
+        self, study: Study, observers: Mapping[str, Observer],
+        taps: Mapping[str, TappedCamera] | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        missing = [name for name in study.cameras if name not in observers]
+        if missing:
+            raise StudyError(f"camera {missing[0]}: give its address, --camera {missing[0]}=oak:ID")
+        self._study, self._taps, self._clock = study, taps or {}, clock
+        self._one = {name: _One(study, observers[name], clock) for name in study.cameras}
+
+    def seen(self) -> Mapping[str, bool]:
+        """Return for each camera whether it sees both hands and all objects."""
+        names = [*self._study.factors["hand"], *self._study.objects]
+        return {
+            f"{camera}: {name}": self._clock() - one.seen_at.get(name, -1e9) <= MAX_AGE
+            for camera, one in self._one.items() for name in names
+        }  # fmt: skip
+
+    def picture(self, camera: str) -> bytes | None:
+        """Return what a camera sees now, with its detections, as JPEG; None: nothing yet."""
+        tap = self._taps.get(camera)
+        frame = tap.newest if tap is not None else None
+        return None if frame is None else camera_picture(frame, self._one[camera].newest)
+
+    def start(self, trial: PlannedTrial, attempt: int, files: Mapping[str, Path]) -> None:
+        """Begin to record with all cameras."""
+        failure = self.failure()
+        if failure is not None:
+            raise CameraError(failure)
+        for camera, path in files.items():
+            tap = self._taps.get(camera)
+            self._one[camera].start(McapWriter(path), tap)
+
+    def mark(self, name: str, **data: Any) -> None:
+        """Write an event into the files."""
+        for one in self._one.values():
+            one.mark(name, data)
+
+    def failure(self) -> str | None:
+        """Return which camera failed."""
+        for camera, one in self._one.items():
+            if one.error is not None:
+                return f"camera {camera}: {one.error}"
+        return None
+
+    def stop(self) -> None:
+        """End the recording and close the files."""
+        errors = [one.stop() for one in self._one.values()]
+        problem = self.failure() or next(filter(None, errors), None)
+        if problem is not None:
+            raise CameraError(problem)
+
+    def close(self) -> None:
+        """Close the cameras."""
+        for one in self._one.values():
+            one.stop()
+            one.close()
+
+
+class _One:
+    """One camera: its observer's thread, and the file that is open."""
+
+    def __init__(self, study: Study, observer: Observer, clock: Callable[[], float]) -> None:
+        self._observer, self._clock = observer, clock
+        self._ids = {one.model: id for id, one in study.objects.items()}
+        self._known: dict[str, str] = {}  # ids of the observer to those of the study
+        self.seen_at: dict[str, float] = {}
+        self.newest: Observation | None = None
+        self.error: str | None = None
+        self._lock = threading.Lock()
+        self._writer: McapWriter | None = None
+        self._frames: FrameRecorder | None = None
+        self._tap: TappedCamera | None = None
+        self._t = 0.0
+        self._thread = threading.Thread(target=self._run, name="igrip-study-camera", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            for observation in self._observer:
+                self._take(observation)
+            self.error = self.error or "ended"
+        except Exception as error:
+            self.error = str(error) or type(error).__name__
+
+    def _take(self, observation: Observation) -> None:
+        named = Observation(
+            t=observation.t, hands=observation.hands,
+            objects=dict(self._named(observation.objects.items())),
+        )  # fmt: skip
+        now, self.newest = self._clock(), named
+        for id, entity in (*named.hands.items(), *named.objects.items()):
+            if entity is not None:
+                self.seen_at[id] = now
+        with self._lock:
+            self._t = named.t
+            if self._writer is not None:
+                self._writer.write(named)
+
+    def _named(
+        self, objects: Iterable[tuple[str, ObjectPose | None]]
+    ) -> Iterator[tuple[str, ObjectPose | None]]:
+        """Yield objects with the study's ids; others keep theirs."""
+        for id, pose in objects:
+            if pose is not None and pose.model is not None:
+                self._known[id] = self._ids.get(pose.model, id)
+            yield self._known.get(id, id), pose
+
+    def start(self, writer: McapWriter, tap: TappedCamera | None) -> None:
+        """Write into a file from now on."""
+        with self._lock:
+            self._writer = writer
+            self._frames, self._tap = (None if tap is None else FrameRecorder(writer)), tap
+        if tap is not None and self._frames is not None:
+            tap.tap = self._frames.add
+
+    def mark(self, name: str, data: Mapping[str, Any]) -> None:
+        """Write an event, at the time of the newest observation."""
+        with self._lock:
+            if self._writer is not None:
+                self._writer.write_event(self._t, name, **data)
+
+    def stop(self) -> str | None:
+        """Close the file; return what went wrong."""
+        with self._lock:
+            writer, self._writer = self._writer, None
+            frames, self._frames = self._frames, None
+        if self._tap is not None:
+            self._tap.tap = None
+        problem = None
+        for part in (frames, writer):
+            try:
+                if part is not None:
+                    part.close()
+            except IgripError as error:
+                problem = str(error)
+        return problem
+
+    def close(self) -> None:
+        """End the observer."""
+        self._observer.close()
+        self._thread.join(5.0)

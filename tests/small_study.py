@@ -1,0 +1,55 @@
+"""A small study for the tests, and a recorder that only writes what it is told."""
+
+from __future__ import annotations
+
+import re
+
+from igrip.errors import RecordingError
+from igrip.experiment.folder import StudyFolder, new_study
+
+
+def small_study(path, **changes):
+    """Write the small template with some lines changed; return its folder."""
+    new_study(path, "small")
+    file = path / "study.toml"
+    text = file.read_text()
+    for old, new in changes.items():
+        assert f"{old} = " in text
+        text = re.sub(f"^{old} = .*$", f"{old} = {new}", text, flags=re.MULTILINE)
+    file.write_text(text)
+    return StudyFolder(path)
+
+
+class FakeRecorder:
+    """Writes the trial and the attempt into each file; fails when told to."""
+
+    def __init__(self):
+        self.open, self.fails, self.lost = {}, None, {}
+        self.failed = None
+
+    def seen(self):
+        return {"left": True, "right": True, "soup": True} | self.lost
+
+    def picture(self, camera):
+        return None
+
+    def start(self, trial, attempt, files):
+        if self.fails == "start":
+            raise RecordingError("camera left: no device")
+        for camera, path in files.items():
+            self.open[camera] = path
+            path.write_text(f"{trial.number} {attempt} {camera}\n")
+
+    def mark(self, name, **data):
+        pass
+
+    def failure(self):
+        return self.failed
+
+    def stop(self):
+        if self.fails == "stop":
+            raise RecordingError("camera right: unplugged")
+        self.open = {}
+
+    def close(self):
+        pass
