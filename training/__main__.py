@@ -33,7 +33,7 @@ from training.sources import SEED, Part, gather, kind_of, provenance, source_wei
 from training.timing import fit_timing, write_timing
 
 MEMORY = 0.02  # s; docs/estimators.md has the alternatives
-NONE = 0.6  # weight of moments without a target (docs/estimators.md)
+NONE = 0.75  # weight of moments without a target (docs/estimators.md)
 
 
 def weighted(parts: Mapping[str, Part]) -> Moments:

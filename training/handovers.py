@@ -3,8 +3,8 @@
 Independent of both generators of reaches for objects that stand: a giver carries one object from
 their side of a table to a place of exchange and holds it there; the receiver's hand leaves before,
 while or after it moves, with the movements of :mod:`training.arm_movement`. Poses of objects come
-at their own rate and late. Nothing that ships is learned from them; ``training/strangers.py``
-judges by them.
+at their own rate and late. ``training/strangers.py`` judges by other people of this generator, and
+``training/leave_one_out.py`` by an estimator that learned without it.
 """
 
 from __future__ import annotations

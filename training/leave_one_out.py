@@ -18,6 +18,7 @@ from igrip.io.resampling import ImportOptions, resample
 from igrip.targets.learned.network import Scorer
 from training.__main__ import MEMORY, weighted
 from training.arms import simulate_arm
+from training.handovers import simulate_handovers
 from training.hands_at_work import hands_at_work
 from training.held_out import NAMES, held_out
 from training.learn import fit_scorer
@@ -80,6 +81,7 @@ def main() -> None:
         near_far_fold(VALIDATION): near_far(asked.shared / "wispinski2021"),
         "worlds": [r for k in persons for r in simulate_person(SEED, k)],
         "arms": [r for k in persons for r in simulate_arm(SEED, k)],
+        "handovers": [r for k in persons for r in simulate_handovers(SEED, k)],
     }
     answered = {}
     for name, recordings in sets.items():
@@ -103,7 +105,7 @@ def main() -> None:
         "hands at work, other sessions": judge(work, everything),
         "hands at work, none learned from": judge(work, none_seen),
     }
-    for name in ("worlds", "arms"):
+    for name in ("worlds", "arms", "handovers"):
         idle[name] = [a for a in answered[name] if a.recording.target is None]
     print("\n| without a reach | false commitments a minute |")
     print(f"|{' --- |' * 2}")

@@ -18,6 +18,7 @@ from igrip.io.importers import RecordedReach
 from igrip.targets.learned.timing import INPUTS
 from training.arms import simulate_arm
 from training.grip import approaches_of
+from training.handovers import simulate_handovers
 from training.hands_at_work import hands_at_work
 from training.library import Demonstration, demonstrated
 from training.moments import Moments, Recording, follow, joined, moments_of
@@ -27,8 +28,8 @@ from training.worlds import simulate_person
 
 Array = NDArray[np.float64]
 SEED = 20260
-PERSONS = {"worlds": 720, "arms": 480}  # of each generator
-WEIGHTS = {"near_far": 3.0, "worlds": 2.0, "arms": 1.0, "work": 1.5}
+PERSONS = {"worlds": 720, "arms": 480, "handovers": 240}  # of each generator
+WEIGHTS = {"near_far": 3.0, "worlds": 2.0, "arms": 1.0, "handovers": 1.5, "work": 2.0}
 """Weight of all moments of each source (docs/estimators.md has the alternatives)."""
 NO_TIMING = TimingSamples(np.empty((0, len(INPUTS))), np.empty((0, 2)), np.empty(0))
 EVERY = 3  # every third reach is a demonstration for the field's methods
@@ -109,7 +110,7 @@ def provenance(shared: Path) -> dict[str, Any]:
             f"{f.parent.name}/{f.name}": hashlib.sha256(f.read_bytes()).hexdigest()[:16]
             for f in sorted(files)
         },
-        "simulated": " and ".join(
+        "simulated": ", ".join(
             f"{count} people of training/{name}.py" for name, count in PERSONS.items()
         ),
         "weights": WEIGHTS,
@@ -128,6 +129,10 @@ def _world(number: int) -> Part:
 def _arm(number: int) -> Part:
     part = part_of(simulate_arm(SEED, number))
     return part._replace(demonstrations=[])  # the field's methods learn from the other sources
+
+
+def _handovers(number: int) -> Part:
+    return part_of(simulate_handovers(SEED, number))._replace(demonstrations=[])
 
 
 def _work(recordings: Sequence[Recording]) -> Part:
@@ -149,7 +154,7 @@ def gather(
     folds : sequence of int
         Folds of the people of the near/far reaches.
     persons : mapping of str to int
-        Simulated people of each generator, ``worlds`` and ``arms``.
+        Simulated people of each generator, ``worlds``, ``arms`` and ``handovers``.
     """
     if cache is not None and cache.exists():
         kept: dict[str, Part] = pickle.loads(cache.read_bytes())
@@ -166,7 +171,8 @@ def gather(
             parts[name] = joined_parts(_collected(pool.map, _real, groups, name))
         for name, function, items in (
             ("worlds", _world, range(persons["worlds"])),
-            ("arms", _arm, range(persons["arms"])), ("work", _work, stretches),
+            ("arms", _arm, range(persons["arms"])),
+            ("handovers", _handovers, range(persons["handovers"])), ("work", _work, stretches),
         ):  # fmt: skip
             parts[name] = joined_parts(_collected(pool.map, function, items, name))
     if cache is not None:
