@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import random
+import re
 import shutil
 import tracemalloc
 from contextlib import suppress
@@ -52,6 +53,16 @@ def compressed(folder: Path) -> None:
     path.unlink()
 
 
+def long_format(folder: Path) -> Path:
+    rows = [
+        f"{t:.3f},{name},{x:.5f},{y:.5f},{z:.5f}"
+        for k, t in enumerate(scene().times)
+        for name, body in scene().bodies.items()
+        for x, y, z in [body.positions[k]]
+    ]
+    return plain.write(folder, ["time,body,x,y,z", *rows])
+
+
 # what is written, and whether a map goes with it
 TABLES = {
     "motive": lambda d: mocap.motive(d / "take1.csv", scene()),
@@ -66,6 +77,7 @@ TABLES = {
     "decimal commas": lambda d: plain.write(d, plain.lines(plain.samples(50.0), ";", ",")),
     "utf-16": lambda d: plain.write(d, plain.lines(plain.samples(50.0)), encoding="utf-16"),
     "compressed": compressed,
+    "long format": long_format,
 }
 
 
@@ -173,6 +185,23 @@ def test_tables(tmp_path, catalog, kind, rounds):
             shutil.rmtree(out, ignore_errors=True)
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize("huge", ["-1.7e308", "1e160", "3e29"])
+@pytest.mark.parametrize("kind", ["motive", "qtm 6D", "vicon segments", "trc", "plain"])
+def test_numbers_whose_squares_overflow(tmp_path, catalog, kind, huge):
+    good = tmp_path / "good"
+    good.mkdir()
+    TABLES[kind](good)
+    rng = random.Random(f"{kind} {huge}")
+    [path] = [path for path in good.iterdir() if path.stem == "take1"]
+    text = path.read_text()
+    numbers = list(re.finditer(r"-?\d+\.\d+(e-?\d+)?", text))
+    for one in [*rng.sample(numbers, 4), *rng.sample(numbers[-40:], 4)]:
+        path.write_text(text[: one.start()] + huge + text[one.end() :])
+        with suppress(IgripError):
+            bring(good, tmp_path / "out", catalog)
+        shutil.rmtree(tmp_path / "out", ignore_errors=True)
 
 
 @pytest.mark.parametrize("rounds", count(120))

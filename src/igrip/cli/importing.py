@@ -226,8 +226,8 @@ def _inspect(
             f"Next: adapt {write_map}, then igrip import … --columns {write_map} --out DATASET",
             soft_wrap=True,
         )
-    if all(one.problem and not one.columns for one in found):
-        raise DatasetError("nothing could be read")
+    if all(one.take is None for one in found):
+        raise DatasetError("no body that moves was understood")
 
 
 def _only(reaches: Sequence[ReachReader], file: Path) -> list[ReachReader]:

@@ -5,6 +5,26 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 
+TRIALS = frozenset({
+    "trial", "take", "reach", "recording", "repetition", "rep", "trialid", "trialnumber", "trialno",
+    "takeid", "reachid",
+})  # fmt: skip
+"""What a column is called that holds the same value in all rows of one trial; see `plain`."""
+PEOPLE = frozenset({
+    "participant", "subject", "person", "session", "run", "block", "participantid", "subjectid",
+})  # fmt: skip
+"""What a column is called that says whose trials these are, or when."""
+
+
+def plain(name: str) -> str:
+    """Return a name in lower case, without blanks, hyphens and underscores."""
+    return "".join(part for part in name.lower() if part not in " _-")
+
+
+def trial_column(columns: Iterable[str]) -> str | None:
+    """Return the column that separates trials, by its name."""
+    return next((name for name in columns if plain(name) in TRIALS), None)
+
 
 def near_miss(name: str, names: Iterable[str]) -> str:
     """Return "; did you mean …?" where a name is much like some others, else nothing."""

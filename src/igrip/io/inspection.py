@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from igrip.errors import DatasetError
+from igrip.io.column_names import trial_column
 from igrip.io.importers import ImportFiles
 from igrip.io.plausibility import Samples, check_samples
 from igrip.io.takes.declared import Declared
@@ -108,7 +109,11 @@ def inspect_files(paths: Iterable[Path], declared: Declared) -> list[Inspection]
         except DatasetError as error:
             found.append(Inspection(name, path, layout, dialect, columns, None, str(error)))
             continue
-        findings = [*take.remarks, *(finding.text for finding in _findings(take))]
+        findings = [
+            *_several_trials(columns),
+            *take.remarks,
+            *(finding.text for finding in _findings(take)),
+        ]
         found.append(Inspection(name, path, layout, dialect, columns, take, None, findings))
     if not found:
         inside = sorted({path.suffix or path.name for p in files.paths for path in _files(p)})
@@ -171,6 +176,9 @@ def map_from(inspections: Sequence[Inspection], rate: float | None = None) -> st
         "[samples]",
         f'table = "{_pattern([found.name for found in moving])}"',
     ]
+    trial = trial_column(first.columns)
+    if trial is not None:
+        lines.append(f"trial = {json.dumps(trial, ensure_ascii=False)}")
     lines += _hand_lines(take)
     lines += [
         "[trials]  # without a table named trials, each take is a trial",
@@ -195,6 +203,14 @@ def map_from(inspections: Sequence[Inspection], rate: float | None = None) -> st
             else [""]
         )
     return "\n".join(lines)
+
+
+def _several_trials(columns: Sequence[str]) -> list[str]:
+    """Return the remark that a column separates trials, which are here shown as one take."""
+    trial = trial_column(columns)
+    if trial is None:
+        return []
+    return [f"the column {trial!r} separates trials; import does so"]
 
 
 def _map_hands(take: Take) -> dict[str, str]:

@@ -31,6 +31,7 @@ def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArra
     if not len(real):
         return missing if may_rest_at_zero else missing | zero
     if zero.any():
+        rows = np.where(missing[:, None], np.nan, rows)  # the square of a marker may overflow
         together = real[:-1][np.diff(real) == 1]
         steps = np.linalg.norm(rows[together + 1] - rows[together], axis=1)
         bound = MAX_STEP_RATIO * float(np.percentile(steps, 99.0)) if len(steps) else 0.0

@@ -11,6 +11,7 @@ from igrip.errors import DatasetError, requires_extra
 from igrip.io.cells.lines import Lines, read_lines
 from igrip.io.layouts import find_layout, read_head
 from igrip.io.layouts.vicon import SECTIONS
+from igrip.io.long_tables import by_body
 from igrip.io.tables import FrameTable, Table, TextTable
 
 TABLE_ENDINGS = (".csv", ".tsv", ".txt", ".trc", ".parquet")
@@ -27,7 +28,7 @@ def read_table(path: Path) -> Table:
         If it cannot be read as a table.
     """
     if ending_of(path) == ".parquet":
-        return _read_parquet(path)
+        return by_body(_read_parquet(path))
     lines = read_lines(path)
     tables = [_text_table(path, lines, *part) for part in _parts(lines)]
     tables.sort(key=lambda table: not table.layout.bodies)  # those that hold bodies first
@@ -35,7 +36,7 @@ def read_table(path: Path) -> Table:
     table.sections = tuple(other for other in tables[1:] if other.layout.bodies)
     if not table.columns:
         raise DatasetError(f"{path}: cannot be read as a table: it is empty")
-    return table
+    return table if table.sections else by_body(table)
 
 
 def find_files(paths: Iterable[Path], endings: Collection[str]) -> dict[str, Path]:

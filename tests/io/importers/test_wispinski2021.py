@@ -11,6 +11,7 @@ from igrip.io.importers import ImportFiles, find_importer
 from igrip.io.resampling import ImportOptions
 from igrip.lab.evaluation.replay import replay_run, summarise_replay
 from igrip.lab.evaluation.runner import run_trials
+from igrip.lab.parallel import Workers
 from igrip.objects.catalog import load_objects
 
 pd = pytest.importorskip("pandas", reason="the extra 'tables' is not installed")
@@ -54,7 +55,7 @@ def test_real_reaches_land_near_the_prototype(shared_data: Path, tmp_path: Path)
     assert len(dataset.trials) == 300
     configs = [Config(targets="paper"), Config(targets="repaired")]
     catalog = load_objects(*dataset.objects)
-    runs = list(run_trials(dataset, catalog, configs, replay_run, dataset.trials, jobs=2))
+    runs = list(run_trials(dataset, catalog, configs, replay_run, dataset.trials, Workers(2)))
     rows = summarise_replay(dataset, runs)["results"]
     paper, repaired = (row for row in rows if row["group"] == "all")
     assert paper["trials"] == 300

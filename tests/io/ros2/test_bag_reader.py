@@ -114,7 +114,7 @@ def test_transforms_and_poses_are_observations_in_the_root_frame(bag):
         assert observations[0].t == 0.0
 
 
-def test_pictures_are_left_out_and_said_to_be(tmp_path):
+def test_pictures_are_left_out_of_the_observations_and_named(tmp_path):
     for storage in (StoragePlugin.MCAP, StoragePlugin.SQLITE3):
         for posed in (True, False):
             folder = tmp_path / f"{storage.name}{posed}"
@@ -133,12 +133,12 @@ def test_pictures_are_left_out_and_said_to_be(tmp_path):
             for path in files(folder):
                 reader = igrip.open_source(path)
                 if not posed:
-                    with pytest.raises(RecordingError, match="not looked for in the pictures"):
+                    with pytest.raises(RecordingError, match="igrip live --camera replay:"):
                         list(reader)
                     continue
                 assert len(list(reader)) == 20
                 [said] = [text for text in reader.remarks if text.startswith("left out")]
-                assert "/cam/depth. Hands and objects are not looked for in the pictures" in said
+                assert "/cam/depth. Pictures are read as those of a camera" in said
 
 
 def test_a_bag_replays_like_a_recording(bag):

@@ -6,21 +6,26 @@ trial needs (who, which target) stands in a map.
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
+from functools import cache, partial
 from pathlib import Path
 
 from igrip.errors import DatasetError
-from igrip.io.column_map import ColumnMap, ObjectColumns
+from igrip.io.column_map import ColumnMap, ObjectColumns, SampleColumns
+from igrip.io.column_names import trial_column
 from igrip.io.hand_ids import is_hand
 from igrip.io.importers import IMPORTERS, ImportFiles, ReachReader, RecordedReach
+from igrip.io.mapped_takes import takes_in, trial_id
 from igrip.io.mapped_trial import TrialReader
 from igrip.io.tables import Table
 from igrip.io.takes.declared import Declared
 from igrip.io.takes.files import read_take
 from igrip.io.takes.roles import hands_of, objects_of
 from igrip.io.takes.sections import merge_tracking_systems
+from igrip.io.takes.take import Take
 
 PLAIN = ("table", "table without a header")
+TakeReader = Callable[[], Take]
 
 
 class MotionCapture:
@@ -50,16 +55,14 @@ class MotionCapture:
         """Return one function per take."""
         chosen = {name: source for name, source in files.opened.items() if _is_take(source)}
         chosen = merge_tracking_systems(chosen)
-        return [
-            self._reader(number, name, source)
-            for number, (name, source) in enumerate(chosen.items(), 1)
-        ]
+        takes: list[tuple[str, TakeReader]] = []
+        for name, source in chosen.items():
+            takes += _readers(name, source, self._declared)
+        return [self._reader(number, *take) for number, take in enumerate(takes, 1)]
 
-    def _reader(self, number: int, name: str, source: Table | Path | DatasetError) -> ReachReader:
+    def _reader(self, number: int, name: str, read_one: TakeReader) -> ReachReader:
         def read() -> RecordedReach:
-            if isinstance(source, DatasetError):
-                raise source
-            take = read_take(name, source, self._declared)
+            take = read_one()
             objects = objects_of(take)
             columns = ColumnMap(
                 objects={
@@ -77,6 +80,35 @@ class MotionCapture:
             return TrialReader(columns, self._declared, number, None, {}, {name: take}, name)()
 
         return read
+
+
+def _readers(
+    name: str, source: Table | Path | DatasetError, declared: Declared
+) -> list[tuple[str, TakeReader]]:
+    """Return a function for each take of a source; a column of trials separates them."""
+    if isinstance(source, DatasetError):
+        return [(name, partial(_failing, source))]
+    column = None if isinstance(source, Path) else trial_column(source.columns)
+    if isinstance(source, Path) or column is None:
+        return [(name, partial(read_take, name, source, declared))]
+    columns = ColumnMap(samples=SampleColumns(trial=column))
+
+    @cache
+    def trials() -> dict[str, Take | DatasetError]:
+        return takes_in(name, source, columns, declared)
+
+    def read(trial: str) -> Take:
+        take = trials()[trial]
+        if isinstance(take, DatasetError):
+            raise take
+        return take
+
+    ids = dict.fromkeys(trial_id(text) for text in source.texts(source.find(column)))
+    return [(trial, partial(read, trial)) for trial in ids]
+
+
+def _failing(error: DatasetError) -> Take:
+    raise error
 
 
 def _is_take(source: Table | Path | DatasetError) -> bool:

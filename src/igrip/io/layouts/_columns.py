@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 
 from igrip.io.cells.dialect import is_value
+from igrip.io.cells.values import is_time
+from igrip.io.cells.values import number as number_of
 from igrip.io.layouts import BodyColumns, Head, Layout
 
 UNITS = {
@@ -63,6 +65,8 @@ def plain_layout(head: Head) -> Layout:
     bodies = named_bodies(paths)
     lowered = [path[-1].lower() if path else "" for path in paths]
     time, time_unit = _time_column(lowered, units)
+    if time is None:
+        time = _clock_column(head.rows[index : index + 50], head.dialect.decimal)
     lengths = {UNITS[unit] for unit in units if unit in UNITS}
     lengths |= {
         UNITS[match[1]] for name in lowered if (match := _NAMED_UNIT.fullmatch(name)) is not None
@@ -88,6 +92,16 @@ def _time_column(names: Sequence[str], units: Sequence[str]) -> tuple[int | None
             word = match["unit"] or (units[k] if k < len(units) else "")
             return k, TIME_UNITS.get(word)
     return None, None
+
+
+def _clock_column(rows: Sequence[Sequence[str]], decimal: str) -> int | None:
+    """Return the first column that holds times of day, or dates with times, in all rows."""
+    width = min((len(row) for row in rows), default=0)
+    for k in range(width):
+        cells = [row[k] for row in rows]
+        if all(is_time(cell) and number_of(cell, decimal) is None for cell in cells):
+            return k
+    return None
 
 
 def named_bodies(paths: Sequence[Sequence[str]]) -> tuple[BodyColumns, ...]:

@@ -8,7 +8,6 @@ Colour and depth are ``foxglove.CompressedImage``: JPEG (or PNG), and PNG of 16 
 from __future__ import annotations
 
 import importlib
-import struct
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -18,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from igrip.errors import RecordingError, requires_extra
 from igrip.io.mcap.messages import Detections
+from igrip.io.packed_pictures import unpack_picture
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
 WORLD = "world"
@@ -28,7 +28,6 @@ TYPES = {  # of the messages of each kind of topic
 GREEN = {"r": 0.1, "g": 0.9, "b": 0.4, "a": 1.0}
 DEPTH_UNIT = 1e-4  # m; exact for cameras that count in mm or in 0.1 mm, up to 6.5 m
 JPEG_QUALITY = 90
-MAX_PIXELS = 1 << 26  # of a picture that is read; those of cameras have some 2^20
 
 
 class Schema(NamedTuple):
@@ -166,40 +165,19 @@ def decode_picture(data: bytes) -> NDArray[Any]:
     RecordingError
         If the message holds no such picture.
     """
-    cv2 = _cv2()
-    packed = _parse("CompressedImage", data).data
-    width, height = _declared_size(packed)
-    if width * height > MAX_PIXELS:
-        raise RecordingError(f"data: a picture of {width} × {height} is too large")
-    try:
-        picture = cv2.imdecode(np.frombuffer(packed, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        picture = None
-    if picture is None:
-        raise RecordingError("data: is no picture")
-    if picture.ndim == 3 and picture.shape[2] == 3 and picture.dtype == np.uint8:
-        return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB))
-    if picture.ndim == 2 and picture.dtype == np.uint16:
-        return np.asarray(picture)
-    raise RecordingError(f"data: is neither colour nor depth: {picture.shape} {picture.dtype}")
+    return unpack_picture(packed_picture(data))
 
 
-def _declared_size(data: bytes) -> tuple[int, int]:
-    """Return the width and height that a PNG or JPEG declares, before it is unpacked.
+def packed_picture(data: bytes) -> bytes:
+    """Return the picture of a message as it is stored, JPEG or PNG.
 
-    PNG: ISO/IEC 15948, 11.2.1; JPEG: ITU-T T.81, B.2.2.
+    Raises
+    ------
+    RecordingError
+        If the message is no picture.
     """
-    if data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) >= 24:
-        width, height = struct.unpack(">II", data[16:24])
-        return width, height
-    at = 2 if data[:2] == b"\xff\xd8" else len(data)
-    while at + 9 <= len(data) and data[at] == 0xFF:
-        marker, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4])
-        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):  # a start of frame
-            height, width = struct.unpack(">HH", data[at + 5 : at + 9])
-            return width, height
-        at += 2 + length
-    raise RecordingError("data: is no picture, neither PNG nor JPEG")
+    packed: bytes = _parse("CompressedImage", data).data
+    return packed
 
 
 def decode_calibration(data: bytes) -> Intrinsics:

@@ -9,11 +9,14 @@ from pathlib import Path
 from igrip.errors import ObservationError, RecordingError, requires_extra
 from igrip.io.defects import Defect
 from igrip.io.frames import DeclaredFrame
+from igrip.io.mcap import foxglove
 from igrip.io.mcap.frames import FrameAssembler
 from igrip.io.mcap.messages import OBSERVATIONS
 from igrip.io.mcap.records import Record, Unpacker, packed_records
 from igrip.io.recording_reader import RecordingReader, StoredMessage
+from igrip.io.ros2.frames import FRAME_MESSAGES, RosFrames
 from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics, left_out
+from igrip.io.ros2.storage import RawMessage
 from igrip.rgbd import RgbdFrame
 
 
@@ -58,15 +61,37 @@ class McapReader(RecordingReader):
             self.remarks += left_out(topics)
 
     def frames(self) -> Iterator[RgbdFrame]:
-        """Yield the frames of all cameras as they were recorded, each camera's in order of time."""
+        """Yield the frames of all cameras as they were recorded, each camera's in order of time.
+
+        Pictures of ROS 2 are read as :class:`igrip.io.ros2.frames.RosFrames` does.
+        """
         assembler = FrameAssembler()
+        ros: RosFrames | None = None
         for record in self.records():
             try:
+                if record.encoding == "cdr" and record.schema in FRAME_MESSAGES:
+                    ros = ros or RosFrames()
+                    yield from ros.add(
+                        RawMessage(record.topic, record.schema, record.t, record.data)
+                    )
+                    continue
                 frame = assembler.add(record)
             except RecordingError as error:
                 raise self._malformed(record, error) from error
             if frame is not None:
                 yield frame
+        if ros is not None:
+            yield from ros.rest()
+            self.remarks += ros.remarks()
+
+    def pictures(self) -> Iterator[tuple[float, bytes]]:
+        """Yield time [s] and colour picture, JPEG or PNG as stored, of every frame of igrip's own.
+
+        Damage is skipped and named in :attr:`cut`.
+        """
+        for record in self.records(skip_damaged=True):
+            if record.topic.endswith("/colour"):
+                yield record.t, foxglove.packed_picture(record.data)
 
     def records(self, topics: tuple[str, ...] = (), skip_damaged: bool = False) -> Iterator[Record]:
         """Yield the messages of some topics, or of all, in the order of the file.

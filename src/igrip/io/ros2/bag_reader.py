@@ -1,36 +1,22 @@
-"""Reading bags of ROS 2: folders with metadata, and single files of SQLite."""
+"""Reading bags of ROS 2: transforms and poses as observations, pictures as camera frames."""
 
 from __future__ import annotations
 
-import sqlite3
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
-from typing import NamedTuple
 
 from igrip.errors import ObservationError, RecordingError, requires_extra
 from igrip.io.defects import Defect
 from igrip.io.frames import DeclaredFrame
 from igrip.io.recording_reader import RecordingReader, StoredMessage
+from igrip.io.ros2.frames import FRAME_MESSAGES, RosFrames
 from igrip.io.ros2.messages import READABLE, RosMessages, describe_topics, left_out
+from igrip.io.ros2.storage import METADATA, is_bag, raw_messages
+from igrip.rgbd import RgbdFrame
 
-METADATA = "metadata.yaml"
 MAX_BYTES = 1 << 20  # of a message that is read; those of poses have less than one kB
-
-
-class RawMessage(NamedTuple):
-    """One message of a bag, as CDR."""
-
-    topic: str
-    kind: str
-    t: float  # [s]
-    data: bytes
-
-
-def is_bag(path: Path) -> bool:
-    """Whether a folder is a bag of ROS 2."""
-    return path.is_dir() and (path / METADATA).is_file()
+MAX_PICTURE_BYTES = 1 << 27
 
 
 class BagReader(RecordingReader):
@@ -64,7 +50,7 @@ class BagReader(RecordingReader):
         topics: Counter[tuple[str, str]] = Counter()
         numbers: Counter[str] = Counter()
         converter = RosMessages()
-        for raw in self._folder(topics) if self.path.is_dir() else self._database(topics):
+        for raw in raw_messages(self.path, READABLE, MAX_BYTES, topics):
             numbers[raw.topic] += 1
             place = f"message {numbers[raw.topic]} of {raw.topic}"
             try:
@@ -77,41 +63,25 @@ class BagReader(RecordingReader):
             raise RecordingError(f"{self.path} {describe_topics(topics)}")
         self.remarks += left_out(topics)
 
-    def _folder(self, topics: Counter[tuple[str, str]]) -> Iterator[RawMessage]:
-        from rosbags.rosbag2 import Reader
+    def frames(self) -> Iterator[RgbdFrame]:
+        """Yield the frames of all cameras, each camera's in order of time.
 
-        try:
-            with Reader(self.path) as reader:
-                for connection in reader.connections:
-                    topics[connection.topic, connection.msgtype] += connection.msgcount
-                wanted = [c for c in reader.connections if c.msgtype in READABLE]
-                if not wanted:
-                    return
-                for connection, time, data in reader.messages(wanted):
-                    if len(data) <= MAX_BYTES:
-                        topic, kind = connection.topic, connection.msgtype
-                        yield RawMessage(topic, kind, time / 1e9, bytes(data))
-        except GeneratorExit:
-            raise
-        except Exception as error:  # the package lets errors of its parts through
-            raise RecordingError(f"{self.path}: {error!r:.300}") from error
+        Times count from the first message.
 
-    def _database(self, topics: Counter[tuple[str, str]]) -> Iterator[RawMessage]:
-        query = (
-            "SELECT topics.name, topics.type, timestamp, data FROM messages "
-            "JOIN topics ON topics.id = messages.topic_id "
-            f"WHERE topics.type IN ({','.join('?' * len(READABLE))}) AND length(data) <= ? "
-            "ORDER BY timestamp"
-        )
-        count = (
-            "SELECT topics.name, topics.type, count(*) FROM messages "
-            "JOIN topics ON topics.id = messages.topic_id GROUP BY topics.id"
-        )
-        try:
-            uri = f"{self.path.resolve().as_uri()}?mode=ro"
-            with closing(sqlite3.connect(uri, uri=True)) as connection:
-                topics.update({(name, kind): n for name, kind, n in connection.execute(count)})
-                for name, kind, time, data in connection.execute(query, (*READABLE, MAX_BYTES)):
-                    yield RawMessage(str(name), str(kind), time / 1e9, bytes(data))
-        except (sqlite3.Error, TypeError, ValueError) as error:
-            raise RecordingError(f"{self.path}: is no bag of ROS 2: {error}") from error
+        Raises
+        ------
+        RecordingError
+            If there are none, or a message is damaged.
+        """
+        topics: Counter[tuple[str, str]] = Counter()
+        assembler = RosFrames()
+        for raw in raw_messages(self.path, FRAME_MESSAGES, MAX_PICTURE_BYTES, topics):
+            try:
+                yield from assembler.add(raw)
+            except RecordingError as error:
+                raise RecordingError(f"{self.path}, {raw.topic}: {error}") from error
+        yield from assembler.rest()
+        self.remarks += assembler.remarks()
+        if not assembler.colour_topics:
+            held = ", ".join(f"{topic} ({kind})" for topic, kind in list(topics)[:12])
+            raise RecordingError(f"{self.path}: holds no colour pictures; it holds {held}")

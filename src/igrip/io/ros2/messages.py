@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -90,13 +90,7 @@ class RosMessages:
     def _poses(self, topic: str, kind: str, message: Any) -> Iterator[tuple[str, float, Pose]]:
         """Yield name, stamp and pose in the root of everything in a message."""
         if kind in TRANSFORMS:
-            transforms = getattr(message, "transforms", None)
-            transforms = [message] if transforms is None else transforms
-            for one in transforms:
-                parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
-                shift, turn = one.transform.translation, one.transform.rotation
-                self._tree.set(child, parent, _pose(shift, turn))
-            for one in transforms:
+            for one in add_transforms(self._tree, message):
                 parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
                 if not self._tree.is_parent(child) and not _NO_THINGS.search(child):
                     shift, turn = one.transform.translation, one.transform.rotation
@@ -107,6 +101,16 @@ class RosMessages:
         frame = message.header.frame_id.lstrip("/")
         in_root = self._tree.in_root(frame, _pose(pose.position, pose.orientation))
         yield _name_of(topic), _seconds(message.header.stamp), in_root
+
+
+def add_transforms(tree: TransformTree, message: Any) -> Sequence[Any]:
+    """Add the transforms of a message of the types :data:`TRANSFORMS` to a tree; return them."""
+    transforms: Sequence[Any] | None = getattr(message, "transforms", None)
+    transforms = [message] if transforms is None else transforms
+    for one in transforms:
+        parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
+        tree.set(child, parent, _pose(one.transform.translation, one.transform.rotation))
+    return transforms
 
 
 def describe_topics(topics: Counter[tuple[str, str]]) -> str:
@@ -133,8 +137,8 @@ def _no_pictures(topics: Counter[tuple[str, str]]) -> str:
     if not any(kind in PICTURES for _, kind in topics):
         return ""
     return (
-        ". Hands and objects are not looked for in the pictures of a bag: record the camera with "
-        "igrip record, or record poses too"
+        ". Pictures are read as those of a camera, and hands and objects are found in them: igrip "
+        "live --camera replay:FOLDER"
     )
 
 

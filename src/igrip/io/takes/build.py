@@ -80,7 +80,7 @@ def build_take(
     seconds = times if of_day else frame.times(times)
     lost = {key: find_lost(body.positions, zero_is_missing) for key, body in bodies.items()}
     placed = {
-        key: np.where(lost[key].rows[:, None], np.nan, frame.positions(body.positions))
+        key: frame.positions(np.where(lost[key].rows[:, None], np.nan, body.positions))
         for key, body in bodies.items()
     }
     try:

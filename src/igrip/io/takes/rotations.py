@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 MAX_NORM_ERROR = 0.05  # of a quaternion that is only rounded
 MAX_MATRIX_ERROR = 0.05
+MAX_NUMBER = 1e6  # of any kind of rotation, even degrees that are counted on over many turns
 
 
 class Quaternions(NamedTuple):
@@ -42,6 +43,7 @@ def quaternions(numbers: Array, kind: str, degrees: bool = True) -> Quaternions:
     degrees : bool
         Whether angles are in degrees.
     """
+    numbers = np.where(np.abs(numbers) <= MAX_NUMBER, numbers, np.nan)
     values = np.full((len(numbers), 4), np.nan)
     good = np.isfinite(numbers).all(axis=1)
     rounded = 0

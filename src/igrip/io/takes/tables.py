@@ -21,5 +21,6 @@ def take_of(name: str, table: Table, declared: Declared) -> Take:
     if not table.layout.bodies:
         raise DatasetError(
             f"{table.path}: no columns of x, y and z were found; it has {shortened(table.columns)}"
+            '; if some are a position, a map names them: t = "…", x = "…", y = "…", z = "…"'
         )
     return with_sections(table_take(name, table, declared), table, declared)

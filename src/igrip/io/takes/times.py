@@ -42,7 +42,7 @@ def times_of(table: Table, declared: Declared, column: int | None = None) -> tup
     if rate is None or not 0 < rate <= MAX_RATE:
         raise DatasetError(
             f"{table.path}: has no column of times and no rate; declare rate = … (frames per "
-            "second), or --input-rate"
+            'second), or --input-rate, or name its column of times in a map: t = "…"'
         )
     if layout.frame is None:
         return np.arange(len(table.lines())) / rate, False
@@ -63,6 +63,7 @@ def raw_bodies(
     """
     columns = [column for body in bodies for column in (*body.position, *body.rotation)]
     numbers = table.numbers(columns, declared.missing)
+    named = table.layout.name.startswith("table")  # its columns name the components
     found: dict[str, RawBody] = {}
     start = 0
     for body in bodies:
@@ -71,8 +72,8 @@ def raw_bodies(
         kind = body.rotation_kind
         if declared.rotations and len(body.rotation) == 3:
             kind = declared.rotations
-        elif declared.quaternions and len(body.rotation) == 4 and table.layout.name == "table":
-            kind = "xyzw"  # the columns name the components
+        elif declared.quaternions and len(body.rotation) == 4 and named:
+            kind = "xyzw"
         if kind == "rotvec" and turns is not None and not declared.rotations:
             kind = "XYZ" if _longer_than_half_a_turn(turns, body.degrees) else kind
             if remarks is not None:
@@ -86,5 +87,6 @@ def raw_bodies(
 
 
 def _longer_than_half_a_turn(turns: Array, degrees: bool) -> bool:
-    lengths = np.linalg.norm(np.deg2rad(turns) if degrees else turns, axis=1)
-    return bool((lengths[np.isfinite(lengths)] > 1.01 * np.pi).any())
+    angles = np.deg2rad(turns) if degrees else turns
+    angles = angles[(np.abs(angles) <= 4.0 * np.pi).all(axis=1)]  # a damaged number decides nothing
+    return bool((np.linalg.norm(angles, axis=1) > 1.01 * np.pi).any())

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from igrip.errors import CameraError, RecordingError
 from igrip.io.mcap.reader import McapReader
+from igrip.io.ros2.bag_reader import BagReader
+from igrip.io.ros2.storage import is_bag
 from igrip.perception.cameras import CAMERAS
 from igrip.perception.cameras._options import split_options
 from igrip.perception.lens import Rectifier
@@ -23,13 +25,20 @@ VIDEOS = (".mp4", ".avi", ".mkv", ".mov", ".webm")
 
 @CAMERAS.register("replay")
 def open_replay(rest: str) -> ReplayCamera:
-    """Open ``replay:FILE.mcap``, ``replay:FILE?speed=0`` or ``replay:VIDEO?fov=65&loop=1``."""
+    """Open ``replay:FILE.mcap``, ``replay:BAG?speed=0`` or ``replay:VIDEO?fov=65&loop=1``."""
     path, options = split_options(rest, DEFAULTS)
     return ReplayCamera(path, **options)
 
 
+def _opened(reader: Callable[[Path], McapReader | BagReader], path: Path) -> McapReader | BagReader:
+    try:
+        return reader(path)
+    except RecordingError as error:
+        raise CameraError(str(error)) from error
+
+
 class ReplayCamera:
-    """A recording (``.mcap``) with all its cameras, or a video for colour alone.
+    """A recording (``.mcap``, a bag of ROS 2) with all its cameras, or a video for colour alone.
 
     Parameters
     ----------
@@ -53,6 +62,7 @@ class ReplayCamera:
         self._closing = threading.Event()
         self._video = self.path.suffix.lower() in VIDEOS
         self.note: str | None = None
+        self._reader: McapReader | BagReader
         if self._video:
             self._rectifier = Rectifier(intrinsics, fov)
             self.note = self._rectifier.note and f"{self.path.name}: {self._rectifier.note}"
@@ -60,12 +70,13 @@ class ReplayCamera:
                 raise CameraError(f"{self.path}: no such file")
             load_opencv("a video")
         elif self.path.suffix.lower() == ".mcap":
-            try:
-                self._reader = McapReader(self.path)
-            except RecordingError as error:
-                raise CameraError(str(error)) from error
+            self._reader = _opened(McapReader, self.path)
+        elif self.path.suffix.lower() == ".db3" or is_bag(self.path):
+            self._reader = _opened(BagReader, self.path)
         else:
-            raise CameraError(f"{self.path}: must be .mcap or a video ({', '.join(VIDEOS)})")
+            raise CameraError(
+                f"{self.path}: must be .mcap, a bag of ROS 2 or a video ({', '.join(VIDEOS)})"
+            )
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         begin = time.monotonic()
