@@ -45,6 +45,11 @@ def inform(text: str) -> None:
     errors.print(text, style="dim", soft_wrap=True)
 
 
+def cluster_page(address: str) -> None:
+    """Tell where the page of a Dask cluster is."""
+    inform(f"the cluster's page: {address}")
+
+
 def table_of(
     columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str = "", caption: str = "",
     left: Collection[int] = (), leading: int = 1,

@@ -11,6 +11,7 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import (
+    cluster_page,
     errors,
     interruptible,
     number,
@@ -27,7 +28,8 @@ from igrip.grips import GRIPS
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.predicted_times import PARTS
-from igrip.lab.evaluation.runner import count_jobs, spread
+from igrip.lab.evaluation.runner import spread
+from igrip.lab.parallel import Workers, count_jobs
 from igrip.targets import TARGETS
 
 USUAL = (
@@ -59,6 +61,7 @@ def evaluate(
         str | None, typer.Option(help="Recording of the time courses. Default: a typical one.")
     ] = None,
     jobs: options.Jobs = 0,
+    scheduler: options.Scheduler = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit code 1 if a recording was excluded.")
     ] = False,
@@ -86,12 +89,12 @@ def evaluate(
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")
     evaluation = Evaluation(opened, configs, out, objects or ())
-    if count_jobs(jobs, len(chosen)) > 1:
+    if scheduler is None and count_jobs(jobs, len(chosen)) > 1:
         for each in configs:
             warm_up(each, evaluation.catalog)  # once here, not in each process
     kept = f"what is done is kept in {out}; the same command goes on from there"
     with interruptible(kept), progress(f"evaluating {opened.name}", len(chosen)) as update:
-        for done in evaluation.run(chosen, jobs):
+        for done in evaluation.run(chosen, Workers(jobs, scheduler, cluster_page)):
             update(completed=done)
     frame = frame_of(evaluation.rows)
     summary = summarise(frame, opened.name, names)

@@ -13,6 +13,7 @@ from igrip.cues import CUES
 from igrip.devices import DEVICES
 from igrip.errors import UnknownNameError
 from igrip.grips import GRIPS
+from igrip.io.exporters import EXPORTERS
 from igrip.io.importers import IMPORTERS
 from igrip.io.layouts import LAYOUTS
 from igrip.io.recordings import SOURCES
@@ -46,6 +47,7 @@ FAMILIES = {
     "devices": Family(DEVICES.names, "drive --device"),
     "recordings": Family(SOURCES.names, "endings of recordings, and ros2 folders"),
     "importers": Family(IMPORTERS.names, "import, recognised by what files hold"),
+    "exporters": Family(EXPORTERS.names, "export --format"),
     "layouts": Family(LAYOUTS.names, "import, recognised by what files hold"),
     "faults": Family(lambda: sorted(KINDS), "demo --fault"),
     "profiles": Family(lambda: tuple(PROFILES), "simulate --profile"),

@@ -21,6 +21,10 @@ Objects = Annotated[
 ]  # fmt: skip
 Seed = Annotated[int, typer.Option(help="Seed of all that is random.", min=0)]
 Jobs = Annotated[int, typer.Option(help="Processes; 0: one per processor.", min=0)]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(help="Address of a Dask scheduler whose workers do it, tcp://HOST:8786."),
+]
 Limit = Annotated[
     int, typer.Option(help="At most this many, evenly spread over the table; 0: all.", min=0)
 ]

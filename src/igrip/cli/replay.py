@@ -23,9 +23,10 @@ from igrip.io.defects import DefectCounts
 from igrip.io.frames import DeclaredFrame
 from igrip.io.intention_files import ENDINGS, open_intention_writer
 from igrip.io.recordings import open_source
-from igrip.io.ros2.bag_reader import is_bag
+from igrip.io.ros2.storage import is_bag
 from igrip.lab.evaluation.replay import ReplayedTrial, replay_run, summarise_replay
-from igrip.lab.evaluation.runner import EstimatorRun, count_jobs, run_trials, spread
+from igrip.lab.evaluation.runner import EstimatorRun, run_trials, spread
+from igrip.lab.parallel import Workers, count_jobs
 from igrip.lab.report.probability_figure import plot_probability
 from igrip.objects.catalog import load_objects
 
@@ -169,7 +170,7 @@ def _replay_dataset(
         for config in configs:
             warm_up(config, catalog)  # once here, not in each process
     with _writer(out) as write, progress(f"replaying {dataset.name}", len(trials)) as update:
-        for done in run_trials(dataset, catalog, configs, analyse, trials, jobs):
+        for done in run_trials(dataset, catalog, configs, analyse, trials, Workers(jobs)):
             for row, intentions in zip(done.rows, done.intentions, strict=True):
                 for intention in intentions:
                     write(intention, recording=row["recording"], targets=row["targets"])

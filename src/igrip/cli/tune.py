@@ -9,11 +9,12 @@ from typing import Annotated, Any
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import errors, output, print_json, progress, table_of, warn
+from igrip.cli.console import cluster_page, errors, output, print_json, progress, table_of, warn
 from igrip.cli.estimator_setup import base_config
 from igrip.errors import DatasetError, requires_extra
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
+from igrip.lab.parallel import Workers
 from igrip.lab.tuning.files import Subject, record_of, write_files
 from igrip.lab.tuning.page import write_page
 from igrip.lab.tuning.replays import Replays, choose_trials, people_of
@@ -46,6 +47,7 @@ def tune(
     ] = None,
     seed: options.Seed = 0,
     jobs: options.Jobs = 0,
+    scheduler: options.Scheduler = None,
     as_json: options.Json = False,
 ) -> None:  # fmt: skip
     """Tune commitments to one person, from 8 to 50 of their trials, or to a cohort.
@@ -77,7 +79,7 @@ def tune(
     out.mkdir(parents=True, exist_ok=True)
     storage = open_storage(out / "study.db")
     with errors.status(f"replaying {len(chosen)} trials …"):
-        replays = Replays(opened, catalog, present, chosen, jobs)
+        replays = Replays(opened, catalog, present, chosen, Workers(jobs, scheduler, cluster_page))
     for one in replays.unusable:
         warn(f"left out {one.recording}: {one.problem}")
     cohort = len(people) > 1

@@ -12,9 +12,11 @@ from igrip import Config
 from igrip.errors import DatasetError, RecordingError
 from igrip.io.datasets import dataset as dataset_module
 from igrip.io.datasets.dataset import Dataset
+from igrip.lab import parallel
 from igrip.lab.evaluation import evaluation as module
 from igrip.lab.evaluation import fingerprint, runner
 from igrip.lab.evaluation.evaluation import Evaluation
+from igrip.lab.parallel import Workers
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import cohort_parameters
 from igrip.objects.catalog import load_objects
@@ -41,7 +43,7 @@ def dataset(simulated, tmp_path):
 def run(path, out, jobs=1, targets=TARGETS):
     opened = Dataset.open(path, lenient=True)
     evaluation = Evaluation(opened, [Config(targets=t) for t in targets], out)
-    steps = list(evaluation.run(opened.trials, jobs))
+    steps = list(evaluation.run(opened.trials, Workers(jobs)))
     return evaluation.rows, steps
 
 
@@ -63,7 +65,7 @@ def test_rows_of_every_trial_and_estimator(dataset, tmp_path):
 
 
 def test_processes_change_nothing(dataset, tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "MIN_TRIALS", 1)
+    monkeypatch.setattr(parallel, "MIN_ITEMS", 1)
     one, _ = run(dataset, tmp_path / "one")
     two, _ = run(dataset, tmp_path / "two", jobs=2)
     assert one == two
@@ -87,7 +89,7 @@ def test_it_goes_on_where_it_was_interrupted(dataset, tmp_path, evaluated):
     whole, _ = run(dataset, tmp_path / "whole")
     opened = Dataset.open(dataset)
     first = Evaluation(opened, [Config(targets=t) for t in TARGETS], tmp_path / "out")
-    steps = first.run(opened.trials, 1)
+    steps = first.run(opened.trials, Workers())
     for _ in range(5):
         next(steps)
     steps.close()
@@ -123,7 +125,7 @@ def test_part_of_a_larger_run_is_reported_alone(dataset, tmp_path):
     run(dataset, tmp_path / "out")
     opened = Dataset.open(dataset)
     part = Evaluation(opened, [Config(targets=t) for t in TARGETS], tmp_path / "out")
-    assert list(part.run([opened.trials[4], opened.trials[3]], 1)) == [2]
+    assert list(part.run([opened.trials[4], opened.trials[3]], Workers())) == [2]
     assert [row["recording"] for row in part.rows[::2]] == [
         trial.recording for trial in opened.trials[3:5]
     ]
@@ -149,7 +151,7 @@ def with_meshes(tmp_path):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_mesh_that_was_changed_is_evaluated_anew(with_meshes, tmp_path, monkeypatch, jobs):
     """Neither rows of an earlier evaluation nor models kept in a process may be stale."""
-    monkeypatch.setattr(runner, "MIN_TRIALS", 1)
+    monkeypatch.setattr(parallel, "MIN_ITEMS", 1)
     before, _ = run(with_meshes, tmp_path / "out", jobs)
     write_mesh(with_meshes / "meshes", 0.15)
     after, steps = run(with_meshes, tmp_path / "out", jobs)
@@ -180,7 +182,7 @@ def test_other_objects_than_the_dataset_s(with_meshes, tmp_path):
     evaluation = Evaluation(
         opened, [Config(targets="distance")], tmp_path / "out", ["box:0.1x0.1x0.1"]
     )
-    list(evaluation.run(opened.trials, 1))
+    list(evaluation.run(opened.trials, Workers()))
     assert all("'can'" in row["remark"] for row in evaluation.rows)
     assert list(evaluation.catalog) == ["box:0.1x0.1x0.1"]
     assert run(with_meshes, tmp_path / "out", targets=("distance",))[1][0] == 0
@@ -214,7 +216,7 @@ def test_numbers_that_are_none_are_not_kept(with_meshes, tmp_path, monkeypatch):
 def test_a_folder_that_cannot_be_written(with_meshes, tmp_path, monkeypatch):
     opened = Dataset.open(with_meshes)
     evaluation = Evaluation(opened, [Config(targets="distance")], tmp_path / "out")
-    steps = evaluation.run(opened.trials, 1)
+    steps = evaluation.run(opened.trials, Workers())
     next(steps)
     shutil.rmtree(tmp_path / "out")
     with pytest.raises(RecordingError, match=r"rows\.jsonl: No such file"):

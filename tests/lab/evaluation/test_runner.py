@@ -10,8 +10,8 @@ from igrip import Config, Estimator, load_objects
 from igrip.io.datasets import dataset as dataset_module
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings import open_source
-from igrip.lab.evaluation import runner
-from igrip.lab.evaluation.runner import count_jobs, run_trial, run_trials, spread
+from igrip.lab.evaluation.runner import run_trial, run_trials, spread
+from igrip.lab.parallel import Workers
 
 CONFIGS = (Config(targets="distance"), Config(targets="paper"))
 
@@ -137,53 +137,10 @@ def answered(run):
 def test_processes_change_nothing(small_dataset, catalog):
     trials = small_dataset.trials
     alone = list(run_trials(small_dataset, catalog, CONFIGS, answered, trials))
-    together = list(run_trials(small_dataset, catalog, CONFIGS, answered, trials * 2, jobs=2))
+    together = list(run_trials(small_dataset, catalog, CONFIGS, answered, trials * 2, Workers(2)))
     assert alone * 2 == together
     assert [name for name, _ in alone] == [trial.recording for trial in trials]
     assert [name for name, _ in alone[0][1]] == ["distance", "paper"]
-
-
-def test_processes_are_spawned_and_get_trials_in_chunks(small_dataset, catalog, monkeypatch):
-    made = []
-
-    class Pool:
-        """A pool of processes that are this one."""
-
-        def __init__(self, jobs, context, initializer, initargs):
-            made.append((jobs, context.get_start_method()))
-            initializer(*initargs)
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *error):
-            made.append("closed")
-
-        def map(self, function, items, chunksize):
-            made.append(chunksize)
-            return map(function, items)
-
-    monkeypatch.setattr(runner, "ProcessPoolExecutor", Pool)
-    monkeypatch.setattr(runner, "run_trial", lambda dataset, trial, catalog, configs: trial)
-
-    def run(count, **jobs):
-        made.clear()
-        trials = list(range(count))
-        assert list(run_trials(small_dataset, catalog, CONFIGS, int, trials, **jobs)) == trials
-        return list(made)
-
-    assert run(3) == run(3, jobs=1) == run(3, jobs=0) == []
-    assert run(3, jobs=2) == [(2, "spawn"), 1, "closed"]
-    assert run(64, jobs=2)[1] == 4
-    assert run(1000, jobs=3)[1] == 20
-
-
-def test_number_of_processes(monkeypatch):
-    monkeypatch.setattr(runner.os, "cpu_count", lambda: 8)
-    assert [count_jobs(0, n) for n in (0, 39, 40, 100, 10_000)] == [1, 1, 2, 5, 8]
-    assert [count_jobs(3, n) for n in (0, 39, 40, 100)] == [1, 1, 2, 3]
-    monkeypatch.setattr(runner.os, "cpu_count", lambda: None)
-    assert count_jobs(0, 1000) == 1
 
 
 def test_trials_evenly_spread():

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from igrip.config import Config
 from igrip.errors import RecordingError
 from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
-from igrip.lab.evaluation.runner import count_jobs, run_trials
+from igrip.lab.evaluation.runner import run_trials
 from igrip.lab.evaluation.trial_rows import Row, score_run
+from igrip.lab.parallel import Workers, count_jobs
 from igrip.objects.catalog import load_objects
 
 
@@ -33,8 +35,11 @@ class Evaluation:
         self._header = json.dumps({"evaluation": key}).encode() + b"\n"
         self.rows: list[Row] = []
 
-    def run(self, trials: Sequence[Trial], jobs: int) -> Iterator[int]:
-        """Evaluate what is not done yet; yield how many trials are done."""
+    def run(self, trials: Sequence[Trial], workers: Workers) -> Iterator[int]:
+        """Evaluate what is not done yet; yield how many trials are done.
+
+        ``workers`` with more than one job are as many as the trials that are left keep busy.
+        """
         self._path.parent.mkdir(parents=True, exist_ok=True)
         done = self._resume()
         number = {id(trial): k for k, trial in enumerate(self._dataset.trials)}
@@ -46,7 +51,8 @@ class Evaluation:
         yield finished
         results = run_trials(
             self._dataset, self.catalog, self._configs, score_run,
-            [self._dataset.trials[k] for k in left], count_jobs(jobs, len(left)),
+            [self._dataset.trials[k] for k in left],
+            replace(workers, jobs=count_jobs(workers.jobs, len(left))),
         )  # fmt: skip
         try:
             with self._path.open("ab") as file:

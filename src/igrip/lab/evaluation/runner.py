@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from igrip.config import Config
 from igrip.errors import IgripError
@@ -22,14 +16,12 @@ from igrip.intention import Intention
 from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.lab.evaluation.commitments import MessageEvidence
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
+from igrip.lab.parallel import ALONE, Workers
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 
 Result = TypeVar("Result")
 T = TypeVar("T")
-MIN_TRIALS = 20  # for each process: it takes seconds to start
-MAX_CHUNK = 20  # trials sent to a process together: progress should show
-_analyse_in_worker: Callable[[Trial], Any]  # set in worker processes only
 
 
 class EstimatorRun:
@@ -137,58 +129,24 @@ def run_trials(
     configs: Sequence[Config],
     analyse: Callable[[TrialRun], Result],
     trials: Sequence[Trial],
-    jobs: int = 1,
+    workers: Workers = ALONE,
 ) -> Iterator[Result]:
-    """Run estimators over trials of a dataset, in parallel processes; yield in order.
+    """Run estimators over trials of a dataset, by workers; yield in order.
 
     ``analyse`` reduces a :class:`TrialRun` to what is wanted of it; another process finds it by its
-    name. With ``jobs`` (:func:`count_jobs`) of 1 there is no other process.
+    name.
     """
     run = partial(run_trial, dataset, catalog=catalog, configs=tuple(configs))
-    if jobs <= 1:
-        yield from (analyse(run(trial)) for trial in trials)
-        return
-    context = multiprocessing.get_context("spawn")  # forking a process with threads is unsafe
-    with ProcessPoolExecutor(jobs, context, _start_worker, (run, analyse)) as pool:
-        chunk = max(1, min(MAX_CHUNK, len(trials) // (8 * jobs)))
-        with _interrupts_ignored():  # Ctrl-C is for this process; the others are started here
-            results = pool.map(_work, trials, chunksize=chunk)
-        try:
-            yield from results
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    return workers.map(partial(_run_and_analyse, run, analyse), trials)
 
 
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C within, also in processes that are started there, as long as they live."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # other threads are never interrupted
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def count_jobs(jobs: int, trials: int) -> int:
-    """Return how many processes to use when ``jobs`` are asked for; 0: one per processor."""
-    return max(1, min(jobs or os.cpu_count() or 1, trials // MIN_TRIALS))
+def _run_and_analyse(
+    run: Callable[[Trial], TrialRun], analyse: Callable[[TrialRun], Result], trial: Trial
+) -> Result:
+    return analyse(run(trial))
 
 
 def spread(trials: Sequence[T], limit: int) -> list[T]:
     """Return ``limit`` trials evenly spread over the table; 0: all."""
     count = min(limit or len(trials), len(trials))
     return [trials[k * len(trials) // count] for k in range(count)]
-
-
-def _start_worker(run: Callable[[Trial], TrialRun], analyse: Callable[[TrialRun], Any]) -> None:
-    """Keep what all trials of a process share: models take time to read."""
-    global _analyse_in_worker
-    _analyse_in_worker = lambda trial: analyse(run(trial))  # noqa: E731
-
-
-def _work(trial: Trial) -> Any:
-    return _analyse_in_worker(trial)

@@ -74,9 +74,20 @@ def perform(
     models: Mapping[str, ObjectModel],
     random: np.random.Generator,
 ) -> PerformedTask:
-    """Let a participant do one task."""
+    """Let a participant do one task, with the objects at random places."""
+    table = set_table(models, cohort.protocol, random)
+    return perform_at(task, table, cohort, habits, random)
+
+
+def perform_at(
+    task: TrialTask,
+    table: Table,
+    cohort: CohortParameters,
+    habits: Habits,
+    random: np.random.Generator,
+) -> PerformedTask:
+    """Let a participant do one task, with the objects where they stand."""
     protocol, person = cohort.protocol, cohort.person
-    table = set_table(models, protocol, random)
     rest = rest_points(protocol)
     starts = {
         side: point + random.normal(0.0, 0.012, 3) * [1, 1, 0.3] for side, point in rest.items()
@@ -85,7 +96,7 @@ def perform(
     if task.movement == "simulated":
         way = goal - starts[task.hand]
         goal = goal - abs(random.normal(0.0, protocol.simulated_short)) * way / np.linalg.norm(way)
-    others = [id for id in models if id != task.target]
+    others = [id for id in table.models if id != task.target]
     second = others[int(random.integers(len(others)))]
     other = table.grasp_point(second, task.grip, starts[task.hand], protocol)
     onset = protocol.rest + random.uniform(0.0, protocol.rest_spread)

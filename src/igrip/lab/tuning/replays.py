@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from igrip.config import Config
 from igrip.errors import DatasetError, did_you_mean
 from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.lab.evaluation.commitments import MessageEvidence
-from igrip.lab.evaluation.runner import TrialRun, count_jobs, run_trials, spread
+from igrip.lab.evaluation.runner import TrialRun, run_trials, spread
 from igrip.lab.evaluation.trial_description import NO_REACH, find_problem
+from igrip.lab.parallel import ALONE, Workers, count_jobs
 from igrip.lab.tuning.outcomes import Outcomes, Replay, outcome
 from igrip.lab.tuning.space import Values, with_values
 from igrip.objects.catalog import Catalog
@@ -80,8 +82,8 @@ class Replays:
         What is not tuned.
     trials : sequence of Trial
         Which.
-    jobs : int
-        Processes; 0: one per processor.
+    workers : Workers
+        Of them as many as the trials keep busy.
 
     Attributes
     ----------
@@ -93,10 +95,10 @@ class Replays:
 
     def __init__(
         self, dataset: Dataset, catalog: Catalog, config: Config, trials: Sequence[Trial],
-        jobs: int = 1,
+        workers: Workers = ALONE,
     ) -> None:  # fmt: skip
         self._dataset, self._catalog, self._config = dataset, catalog, config
-        self._jobs = jobs
+        self._workers = workers
         results = self._replay(config, trials)
         self.usable = [one for one in results if isinstance(one, Replay)]
         self.unusable = [one for one in results if isinstance(one, Unusable)]
@@ -119,8 +121,8 @@ class Replays:
         return self._known[key]
 
     def _replay(self, config: Config, trials: Sequence[Trial]) -> list[Replay | Unusable]:
-        jobs = count_jobs(self._jobs, len(trials))
-        run = run_trials(self._dataset, self._catalog, [config], replayed, trials, jobs)
+        workers = replace(self._workers, jobs=count_jobs(self._workers.jobs, len(trials)))
+        run = run_trials(self._dataset, self._catalog, [config], replayed, trials, workers)
         return list(run)
 
 

@@ -1,0 +1,1 @@
+"""An open benchmark: any estimator of reaching intention, over declared sets of reaches."""

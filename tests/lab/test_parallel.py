@@ -1,0 +1,147 @@
+"""Work in processes and on a Dask cluster: order, kills, and the same results however many."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from igrip import Config, load_objects
+from igrip.lab import parallel
+from igrip.lab.evaluation.runner import run_trials
+from igrip.lab.evaluation.trial_rows import score_run
+from igrip.lab.parallel import ClusterError, Workers, count_jobs
+from runtime_fakes import PATIENCE, until
+
+
+def test_processes_are_spawned_and_get_trials_in_chunks(monkeypatch):
+    made = []
+
+    class Pool:
+        """A pool of processes that are this one."""
+
+        def __init__(self, jobs, context, initializer, initargs):
+            made.append((jobs, context.get_start_method()))
+            initializer(*initargs)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *error):
+            made.append("closed")
+
+        def map(self, function, items, chunksize):
+            made.append(chunksize)
+            return map(function, items)
+
+    monkeypatch.setattr(parallel, "ProcessPoolExecutor", Pool)
+
+    def run(count, jobs=1):
+        made.clear()
+        assert list(Workers(jobs).map(int, list(range(count)))) == list(range(count))
+        return list(made)
+
+    assert run(3) == run(3, jobs=0) == []
+    assert run(3, jobs=2) == [(2, "spawn"), 1, "closed"]
+    assert run(64, jobs=2)[1] == 4
+    assert run(1000, jobs=3)[1] == 20
+
+
+def test_number_of_processes(monkeypatch):
+    monkeypatch.setattr(parallel.os, "cpu_count", lambda: 8)
+    assert [count_jobs(0, n) for n in (0, 39, 40, 100, 10_000)] == [1, 1, 2, 5, 8]
+    assert [count_jobs(3, n) for n in (0, 39, 40, 100)] == [1, 1, 2, 3]
+    monkeypatch.setattr(parallel.os, "cpu_count", lambda: None)
+    assert count_jobs(0, 1000) == 1
+
+
+KILLED = """
+import multiprocessing, os, signal, sys
+from igrip import Config, load_objects
+from igrip.io.datasets.dataset import Dataset
+from igrip.lab.evaluation.runner import run_trials
+from igrip.lab.evaluation.trial_rows import score_run
+from igrip.lab.parallel import Workers
+
+if __name__ == "__main__":
+    dataset = Dataset.open(sys.argv[1])
+    catalog = load_objects(*dataset.objects)
+    configs = [Config(targets="distance")]
+    for _ in run_trials(dataset, catalog, configs, score_run, dataset.trials * 30, Workers(2)):
+        print(*(child.pid for child in multiprocessing.active_children()), flush=True)
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_processes_end_when_the_one_that_started_them_is_killed(small_dataset, tmp_path):
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED)
+    command = [sys.executable, str(script), str(small_dataset.path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        workers = [int(pid) for pid in process.stdout.readline().split()]
+        assert len(workers) == 2
+        process.stdout.read()  # the workers hold this pipe, too: it ends with the last of them
+    assert process.returncode == -signal.SIGKILL
+    if Path("/proc/self").exists():
+        for pid in workers:
+            until(lambda pid=pid: not Path(f"/proc/{pid}").exists())
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and two workers, processes of their own; yields the address and the workers."""
+    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    dask = str(Path(sys.executable).with_name("dask"))
+    file = tmp_path / "scheduler.json"
+    options = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    started = [
+        subprocess.Popen(
+            [dask, "scheduler", "--port", "0", "--no-dashboard", "--host", "127.0.0.1",
+             "--scheduler-file", str(file)], cwd=tmp_path, **options,
+        )
+    ]  # fmt: skip
+    until(lambda: file.exists() and file.stat().st_size > 0)
+    address = json.loads(file.read_text())["address"]
+    one = [dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+           "--local-directory", str(tmp_path / "space")]  # fmt: skip
+    workers = [subprocess.Popen(one, cwd=tmp_path, **options) for _ in range(2)]
+    import distributed
+
+    with distributed.Client(address, timeout=PATIENCE, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=PATIENCE)
+    yield address, workers, one
+    for process in [*workers, *started]:
+        process.kill()
+        process.wait()
+
+
+def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(small_dataset, cluster):
+    address, workers, one = cluster
+    catalog = load_objects(*small_dataset.objects)
+    configs, trials = [Config(targets="distance")], list(small_dataset.trials) * 100
+    alone = list(run_trials(small_dataset, catalog, configs, score_run, trials))
+    pages = []
+    together = run_trials(
+        small_dataset, catalog, configs, score_run, trials,
+        Workers(scheduler=address, report=pages.append),
+    )  # fmt: skip
+    found = [next(together)]
+    workers[0].kill()  # in the middle of its work
+    workers.append(subprocess.Popen(one, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+    found += together
+    assert json.dumps(found) == json.dumps(alone)
+    assert len(pages) == 1
+
+
+def test_an_error_of_the_work_reaches_the_caller(cluster):
+    with pytest.raises(ValueError, match="invalid literal"):
+        list(Workers(scheduler=cluster[0]).map(int, ["1", "x"]))
+
+
+def test_no_scheduler_is_named(monkeypatch):
+    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    monkeypatch.setattr(parallel, "CONNECT", 0.5)
+    with pytest.raises(ClusterError, match=r"tcp://127.0.0.1:1: there is no Dask scheduler"):
+        list(Workers(scheduler="tcp://127.0.0.1:1").map(int, ["1"]))
