@@ -26,6 +26,7 @@ RUNS = (
     ("import", "--inspect take1.csv --input-rate 100 --unit mm"),
     ("grips", ""),
 )
+PARTS = {"experiment": ("new", "run", "review", "summary", "status")}  # commands of a command
 ENVIRONMENT = {**os.environ, "COLUMNS": "96", "TERM": "dumb", "NO_COLOR": "1"}
 
 
@@ -63,6 +64,8 @@ def main() -> None:
         }
         for command in COMMANDS:
             lines += [f"## igrip {command}", "", "```text", run(f"{command} --help", folder), "```"]
+            for part in PARTS.get(command, ()):
+                lines += ["", "```text", run(f"{command} {part} --help", folder), "```"]
             if command in printed:
                 arguments, text = printed[command]
                 lines += ["", "```console", f"$ igrip {command} {arguments}".rstrip(), text, "```"]

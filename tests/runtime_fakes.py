@@ -9,6 +9,7 @@ from igrip.runtime.loop import Sender
 from support import BOX, UPRIGHT
 
 SENDER = Sender()
+OPEN = []  # outlets of LSL of tests that have ended
 PATIENCE = 60.0  # s that a test waits for what must come, on however slow a machine
 
 
@@ -18,6 +19,16 @@ def until(condition):
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.002)
+
+
+def stays_open(outlet):
+    """Return an outlet of LSL that is destroyed after all tests, when nobody connects to it.
+
+    liblsl 1.18 now and then crashes a process that destroys an outlet while a reader connects or
+    leaves: its list of connections is changed and walked through at once.
+    """
+    OPEN.append(outlet)
+    return outlet
 
 
 class Clock:

@@ -22,9 +22,10 @@ from igrip import Observation
 from igrip.cli import console, outputs
 from igrip.cli.app import COMMANDS, app, target_of
 from igrip.errors import did_you_mean
+from igrip.experiment.folder import new_study
 from igrip.io.datasets.dataset import DatasetWriter, Trial
 from igrip.io.recordings.jsonl import JsonlWriter
-from igrip.lab.evaluation import runner
+from igrip.lab import parallel
 from igrip.objects.catalog import Catalog
 
 WAIT = 240  # s; a busy machine is slow
@@ -32,6 +33,7 @@ WAIT = 240  # s; a busy machine is slow
 # of each command, arguments that are right but for what a test changes
 ARGUMENTS = {
     "bench": ["--frames", "20", "--runs", "1"],
+    "benchmark": ["small=small", "--out", "judged", "--entry", "distance"],
     "calibrate": ["--camera", "rendered", "--out", "cameras.json"],
     "certify": ["--device", "serial", "--config", "device.toml"],
     "check": ["small"],
@@ -39,6 +41,17 @@ ARGUMENTS = {
     "doctor": [],
     "drive": ["--device", "serial", "--config", "device.toml", "--headless"],
     "evaluate": ["small", "--out", "report", "--targets", "distance"],
+    "experiment": [
+        "run",
+        "study",
+        "--participant",
+        "P01",
+        "--consent",
+        "2026-01-31",
+        "--simulate",
+        "--unattended",
+    ],
+    "export": ["small", "--out", "exported"],
     "grips": [],
     "import": ["table.csv", "--out", "imported"],
     "list": [],
@@ -58,6 +71,7 @@ def folder(tmp_path, monkeypatch, small_dataset):
     (tmp_path / "table.csv").write_text("a,b\n1,2\n")
     (tmp_path / "file").write_text("kept")
     (tmp_path / "device.toml").write_text('port = "twin"\n')
+    new_study(tmp_path / "study", "small")
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(console.errors, "_width", 300)
@@ -102,7 +116,10 @@ FILES = [
     ("replay", "--out", ".csv"), ("replay", "--out", ".jsonl"), ("replay", "--out", ".parquet"),
     ("stream", "--person", ".json"),
 ]  # fmt: skip
-FOLDERS = [("certify", "--out"), ("evaluate", "--out"), ("import", "--out"), ("simulate", None)]
+FOLDERS = [
+    ("benchmark", "--out"), ("certify", "--out"), ("evaluate", "--out"), ("import", "--out"),
+    ("simulate", None),
+]  # fmt: skip
 
 
 def with_option(command, option, value):
@@ -190,9 +207,11 @@ def test_a_disk_that_is_full(folder, monkeypatch):
 # names --------------------------------------------------------------------------------------------
 
 TYPOS = [
+    (["benchmark", "small=small", "--entry", "bayse"], "bayes"),
     (["certify", "--device", "rehastm2", "--config", "device.toml"], "rehastim2"),
     (["demo", "--targets", "bayse"], "bayes"),
     (["demo", "--headless", "--fault", "frezze@1+1"], "freeze"),
+    (["experiment", "new", "mine", "--template", "papr"], "paper"),
     (["drive", "--device", "serail", "--config", "device.toml"], "serial"),
     (["evaluate", "small", "--out", "r", "--targets", "papre"], "paper"),
     (["evaluate", "small", "--out", "r", "--grips", "contcat"], "contact"),
@@ -311,9 +330,10 @@ def interrupt(*_, **__):
 @pytest.mark.parametrize("command", sorted({*COMMANDS} & {*ARGUMENTS} - {"list", "schema"}))
 def test_ctrl_c_before_anything_was_done(folder, monkeypatch, command):
     module = importlib.import_module(target_of(command)[0])
-    first = {"calibrate": "open_camera", "record": "open_camera", "drive": "open_source"}.get(
-        command, "load_objects"
-    )
+    first = {
+        "calibrate": "open_camera", "record": "open_camera", "drive": "open_source",
+        "export": "progress",
+    }.get(command, "load_objects")  # fmt: skip
     opener = module
     if not hasattr(module, first):  # the evaluation loads them itself
         opener = importlib.import_module("igrip.lab.evaluation.evaluation")
@@ -388,7 +408,7 @@ def test_the_signal_itself_ends_a_command_in_one_line(tmp_path):
 
 def test_other_processes_leave_ctrl_c_to_the_first():
     before = signal.getsignal(signal.SIGINT)
-    with runner._interrupts_ignored():
+    with parallel._interrupts_ignored():
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     assert signal.getsignal(signal.SIGINT) is before
 
@@ -425,6 +445,14 @@ def test_head_of_a_process():
         errors = process.stderr.read()
         assert process.wait(timeout=WAIT) == 0
     assert errors == b""
+
+
+@pytest.mark.parametrize(("arguments", "code"), [(["list", "models"], 0), (["replay", "no"], 2)])
+def test_head_of_both_streams_of_a_process(arguments, code):
+    command = [sys.executable, "-m", "igrip", *arguments]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        process.stdout.close()
+        assert process.wait(timeout=WAIT) == code
 
 
 # ports --------------------------------------------------------------------------------------------

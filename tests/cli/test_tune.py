@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 pytest.importorskip("optuna", reason="the extra 'tune' is not installed")
 
 
+from browser import CHROMIUM, accessibility_problems, open_page
 from datasets import MESH, PLACES
 from igrip import Observation
 from igrip.cli.app import app
@@ -101,6 +102,9 @@ def test_tune_writes_a_configuration_a_record_and_a_page(eight, tmp_path):
     again = json.loads(igrip(*arguments, "--json").stdout)
     assert again == record
     igrip("replay", eight.path, "--config", out / "front" / "01.toml")
+    if CHROMIUM:
+        with open_page((out / "tune.html").as_uri()) as shown:
+            assert accessibility_problems(shown) == []
 
 
 def test_wrong_input_is_one_clear_error(eight, tmp_path):

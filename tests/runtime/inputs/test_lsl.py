@@ -14,7 +14,7 @@ from igrip.runtime.inputs._named_poses import Layout, NamedPoses, channel_of
 from igrip.runtime.inputs.lsl import LslInput
 from igrip.runtime.loop import Loop
 from igrip.runtime.options import Options
-from runtime_fakes import PATIENCE, Clock, Collector, until
+from runtime_fakes import OPEN, PATIENCE, Clock, Collector, stays_open, until
 from support import BOX
 
 RIGHT = [{"label": f"r{axis}", "object": "RightHand", "type": f"Position{axis}",
@@ -31,7 +31,7 @@ def outlet(name, channels, source="", kind="MoCap", form="float32"):
         child = node.append_child("channel")
         for key, value in channel.items():
             child.append_child_value(key, value)
-    return pylsl.StreamOutlet(info)
+    return stays_open(pylsl.StreamOutlet(info))
 
 
 class Running:
@@ -106,6 +106,7 @@ def test_a_sender_that_comes_again_is_found_again(running, name):
         running.clock.t += 1.0
         running.push(source, [1.0, 2.0, 3.0], clock)
         assert running.loop.estimator.hands["right"].status == "warming_up"
+        OPEN.remove(source)
         del source
     until(lambda: running.loop._queue.counts["reconnections"] >= 2)
 
@@ -123,9 +124,8 @@ def test_text_is_observations(running, name):
     ([{"label": f"hand_0.{axis}"} for axis in "xyz"], "'hand_0' is none of the hands left, right"),
 ])  # fmt: skip
 def test_what_cannot_be_read_is_named_with_what_would_do(running, name, channels, words):
-    source = outlet(name, channels)
+    outlet(name, channels)
     until(lambda: any(words in note for note in running.notes))
-    del source
 
 
 @pytest.mark.parametrize(("metadata", "expected"), [

@@ -17,7 +17,7 @@ from igrip.intention import Commitment, Intention
 from igrip.runtime.envelope import Sequencer
 from igrip.runtime.options import Options
 from igrip.runtime.outputs.lsl import CHANNELS, MAX_REMEMBERED, LslOutput
-from runtime_fakes import PATIENCE, until
+from runtime_fakes import PATIENCE, stays_open, until
 
 
 class FakeLoop:
@@ -30,6 +30,8 @@ class FakeLoop:
 def new_output(name):
     output = LslOutput(Options(stream_name=name))
     output.start(FakeLoop())
+    stays_open(output._markers)
+    stays_open(output._signal)
     return output
 
 
