@@ -1,7 +1,9 @@
 """The benchmark: entries of every kind agree, splits are fixed, numbers are those of the rows."""
 
 import json
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -121,6 +123,17 @@ def test_a_misspelt_estimator_gets_a_suggestion():
 def test_an_entry_that_fails_is_named(judged, here, text, words):
     with pytest.raises(EntryError, match=words):
         rows_of(text, judged, here)
+
+
+def test_the_entry_of_the_page_enters_as_it_stands(judged, here):
+    page = (Path(__file__).parents[3] / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+    assert len(code.strip().splitlines()) <= 20 + 5  # 20 lines beside imports and blank ones
+    (here / "my_entry.py").write_text(code)
+    rows = rows_of("mine=my_entry:Nearest", judged, here)
+    nearest = rows_of("nearest", judged, here)
+    assert [row["success"] for row in rows] == [row["success"] for row in nearest]
+    assert all(sum(row["calibration_n"]) for row in rows)
 
 
 def test_the_same_people_are_judged_for_good():

@@ -10,6 +10,7 @@ from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings.jsonl import JsonlReader
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.lab.evaluation.trial_description import describe_trial
+from igrip.lab.parallel import ALONE, Workers
 from igrip.lab.simulation.cohort import rest_points, simulate_cohort, tasks_of
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
 from igrip.lab.simulation.parameters import ProtocolParameters, checksum, cohort_parameters
@@ -60,7 +61,8 @@ def test_rows_of_the_table(small):
     assert {t.movement for t in small.trials if t.target == "none"} == set(KINDS)
 
 
-def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path):
+@pytest.mark.parametrize("workers", [ALONE, Workers(2)], ids=["alone", "two processes"])
+def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path, workers):
     list(
         simulate_cohort(
             tmp_path / "again",
@@ -69,8 +71,10 @@ def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path):
             participants=3,
             trials=12,
             no_reach_minutes=4,
+            workers=workers,
         )
     )
+    assert Dataset.open(tmp_path / "again").trials == small.trials
     for trial in small.trials:
         again = Dataset.open(tmp_path / "again").recording(trial)
         assert again.read_bytes() == small.recording(trial).read_bytes()
