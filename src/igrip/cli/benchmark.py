@@ -91,7 +91,7 @@ def benchmark(
     frame = frame_of(rows)
     table = sum_up(frame)
     (out / "table.md").write_text(markdown(table), encoding="utf-8")
-    frame.drop(columns=["stamp"]).to_json(out / "trials.jsonl", orient="records", lines=True)
+    frame.drop(columns=["row", "stamp"]).to_json(out / "trials.jsonl", orient="records", lines=True)
     if as_json:
         print_json(table)
     else:
