@@ -111,6 +111,14 @@ class Dataset:
             f"{shortened(list(known), 5) or 'none'}"
         )
 
+    def stamp(self, trial: Trial) -> str | None:
+        """Return what changes when a trial's recording does; None where there is none."""
+        try:
+            status = self.recording(trial).stat()
+        except (RecordingError, OSError):
+            return None
+        return f"{status.st_size}-{status.st_mtime_ns}"
+
     def recordings(self) -> list[Path]:
         """Return the files of all recordings, also of those that no trial names."""
         inside, endings = sorted((self.path / "recordings").rglob("*")), SOURCES.names()

@@ -12,7 +12,7 @@ from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.lab.benchmark.entries import Entry, EntryError
 from igrip.lab.benchmark.score import Row, score_recording
 from igrip.lab.benchmark.sets import BenchmarkSet
-from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
+from igrip.lab.evaluation.fingerprint import fingerprint
 from igrip.lab.evaluation.kept_rows import KeptRows
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.lab.evaluation.runner import shift_trial
@@ -37,7 +37,7 @@ def run_entry(
     key = f"{fingerprint(dataset, [], dataset.objects)}-{entry.digest()}"
     header = json.dumps({"benchmark": key}).encode() + b"\n"
     kept = KeptRows(out / f"rows-{judged.name}-{entry.name}.jsonl", header)
-    stamps = [recording_stamp(dataset, trial) for trial in trials]
+    stamps = [dataset.stamp(trial) for trial in trials]
     kept.resume(
         lambda k, rows: 0 <= k < len(trials) and len(rows) == 1
         and (rows[0].get("recording"), rows[0].get("stamp")) == (trials[k].recording, stamps[k])
