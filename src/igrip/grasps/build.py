@@ -105,7 +105,7 @@ def _of_grip(
             best = _nearest_turn(turned, weight[rows], members, centre, half, middle)
             turns = (-np.pi, np.pi)
             if half < np.pi:
-                off = _wrapped(centre - turned.turn[best])
+                off = float(_wrapped(centre - turned.turn[best : best + 1])[0])
                 turns = (off - half, off + half)
             total = float(weight[rows[near]].sum())
             yield _candidate(grip, fits, int(rows[best]), total, line, turns)
@@ -156,6 +156,7 @@ def _with_half_turns(
     return together, np.tile(grips, 4), np.tile(0.25 * weight, 4)
 
 
-def _wrapped(angle: Array | float) -> Array | float:
+def _wrapped(angle: Array) -> Array:
     """Return angles between -π and π."""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+    wrapped: Array = (angle + np.pi) % (2.0 * np.pi) - np.pi
+    return wrapped

@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 CLEARANCE = 0.06  # m; from the palm's centre to what it meets, when a grasp closes: as simulated
 ON_AXIS = 0.03  # m; a palm so near to a line is not moved by a turn about it
 
+
 class Candidate(NamedTuple):
     """One way to grasp an object. In the frame of its mesh [m, rad].
 

@@ -55,8 +55,15 @@ def classify(fits: HandFits, model: ObjectModel) -> tuple[NDArray[np.int64], Arr
     round_ = np.abs(np.stack([tall, depth]) / np.maximum(width, 1e-9) - 1.0).max(axis=0) < ROUND
     thin = width <= SHEET
     rules = {
-        "hook": (width <= BAR) & (np.minimum(width, depth) >= WIRE) & (depth <= BAR) & (beyond > 0.0) & (long >= 0.5 * HAND),
-        "power_sphere": round_ & (np.maximum(long, sides) < CURVED * width) & (back <= PALM_REACH) & (width >= KNOB),
+        "hook": (width <= BAR)
+        & (np.minimum(width, depth) >= WIRE)
+        & (depth <= BAR)
+        & (beyond > 0.0)
+        & (long >= 0.5 * HAND),
+        "power_sphere": round_
+        & (np.maximum(long, sides) < CURVED * width)
+        & (back <= PALM_REACH)
+        & (width >= KNOB),
         "palmar": held & (width > THICK),
         "medium_wrap": held,
         "flat": thin & (planar >= FLAT) & (front >= LARGE_SHEET) & (long >= HAND),
@@ -79,4 +86,3 @@ def classify(fits: HandFits, model: ObjectModel) -> tuple[NDArray[np.int64], Arr
         * np.clip((MAX_OPENING - width) / EASY, 0.05, 1.0)
     )
     return chosen.astype(np.int64), weight
-

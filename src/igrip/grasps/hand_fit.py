@@ -45,9 +45,9 @@ class HandFits(NamedTuple):
         ``BACK``, ``FRONT``: how far the part reaches towards the palm and away from it [m].
         ``BELOW``, ``ABOVE``: along the palm, with both sides as wide as here [m]. ``TALL``: along
         the palm, however wide [m]. ``SIDES``: along the approach, with both sides as wide as here
-        [m]. ``BEYOND``: 1 if there is free space and more of the object
-        ahead. ``PLANAR``: share of the points ahead within the thickness. ``FACING``: cosine between the
-        approach and the surface that the palm meets. ``FREE``: 1.
+        [m]. ``BEYOND``: 1 if there is free space and more of the object ahead. ``PLANAR``: share
+        of the points ahead within the thickness. ``FACING``: cosine between the approach and the
+        surface that the palm meets. ``FREE``: 1.
     """
 
     centre: Array
@@ -101,7 +101,7 @@ def _fit(points, normals, centres, closings, openings, reference, aside, approac
     thumb_side = np.zeros(BINS, dtype=np.bool_)
     other_side = np.zeros(BINS, dtype=np.bool_)
     reach = BIN * (MIDDLE + 0.5)
-    w, v, x = np.empty(3), np.empty(3), np.empty(3)
+    x = np.empty(3)
     for p in range(centres.shape[0]):
         u, half = closings[p], 0.5 * openings[p]
         dot = u[0] * reference[0] + u[1] * reference[1] + u[2] * reference[2]
