@@ -32,8 +32,11 @@ from igrip.taxonomy import NAMES
 Array = NDArray[np.float64]
 
 MIN_TARGET = 0.01  # objects less likely than this have no say
-AHEAD = 0.3  # s; before the highest speed nobody knows how long a reach still lasts
-REMAINING = 0.4  # of velocity × time left: the rest of the way of a minimum jerk near its end
+AHEAD = 0.25  # s; before the highest speed nobody knows how long a reach still lasts
+# of velocity × time left is the rest of the way: 0.3 for a minimum jerk near its end, and both are
+# estimated somewhat late
+REMAINING = 0.25
+SHARE_OF_WAY = 0.4  # standard deviation of the way ahead, as a part of it
 MIN_SPEED = 0.05  # m/s; slower hands have no heading
 ROLL_STD = 0.1  # rad; of a candidate's own roll
 ZERO = np.zeros(3)
@@ -96,20 +99,21 @@ class CandidateGrip:
 
 def _evidence(motion: Motion, target: PlacedObject, palm_std: float) -> HandEvidence:
     """Return what a movement says; see the module."""
-    velocity, speed = motion.velocity, motion.speed
-    ahead = AHEAD
+    # of the measured samples: the filtered ones lag by centimetres
+    position, velocity = motion.reach.now[0], motion.reach.now[1]
+    speed, ahead = math.hypot(*velocity.tolist()), AHEAD
     if motion.reach.phase == "decelerating":
         now, onset, peak = times_of(motion.reach.state)
-        ahead = REMAINING * min(max(2.0 * (peak - onset) - (now - onset), 0.05), 0.5)
+        ahead = REMAINING * min(max(2.0 * peak - onset - now, 0.05), 0.5)
     way = ahead * velocity
-    spread = math.hypot(palm_std, 0.5 * ahead * speed)
-    start = motion.reach.start if motion.reach.moving else motion.position
+    spread = math.hypot(palm_std, SHARE_OF_WAY * ahead * speed)
+    start = motion.reach.start if motion.reach.moving else position
     chord = target.centre - start
     level = math.hypot(chord[0], chord[1])
     chord = np.array([chord[0] / level, chord[1] / level, 0.0]) if level > 1e-6 else ZERO
     palm = motion.palm
     return HandEvidence(
-        motion.position + way, spread, velocity / speed if speed > MIN_SPEED else ZERO, chord,
+        position + way, spread, velocity / speed if speed > MIN_SPEED else ZERO, chord,
         ZERO if palm is None else np.array(palm.across),
         ZERO if palm is None else np.array(palm.ahead),
     )  # fmt: skip
