@@ -15,6 +15,7 @@ from igrip.grasps.opposition import find_oppositions
 from igrip.grasps.parts import name_parts
 from igrip.grasps.surface import sample_surface
 from igrip.grasps.turns import Line, Turned, arc_of, lines_of, turn_to
+from igrip.grasps.verify import HoldTest
 from igrip.objects.model import ObjectModel
 from igrip.taxonomy import GRIP_TYPES, NAMES
 
@@ -47,6 +48,8 @@ def build_candidates(model: ObjectModel) -> list[Candidate]:
         own = np.flatnonzero(grips == grip)
         part = HandFits(*(column[own] for column in fits))
         found += _of_grip(NAMES[grip], part, weight[own], lines, model)
+    test = HoldTest(model.vertices, model.faces, model.bvh)
+    found = [candidate for candidate in found if test.holds(candidate)]
     return name_parts(_few(found), model)
 
 

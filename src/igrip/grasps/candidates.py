@@ -20,7 +20,7 @@ from igrip.objects.model import ObjectModel
 _CACHED_BY = (
     "taxonomy.py", "grasps/build.py", "grasps/candidate.py", "grasps/classify.py",
     "grasps/clusters.py", "grasps/hand_fit.py", "grasps/opposition.py", "grasps/parts.py",
-    "grasps/surface.py", "grasps/turns.py",
+    "grasps/surface.py", "grasps/turns.py", "grasps/verify.py",
 )  # fmt: skip
 _known: WeakKeyDictionary[ObjectModel, tuple[Candidate, ...]] = WeakKeyDictionary()
 

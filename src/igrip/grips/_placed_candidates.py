@@ -16,7 +16,7 @@ from igrip.taxonomy import NAMES
 
 Array = NDArray[np.float64]
 
-# columns, used in this file alone
+# columns, used in this file and by _choice.py alone
 PALM, APPROACH, CLOSING, POINT, PIVOT, AXIS = 0, 3, 6, 9, 12, 15
 LOW, HIGH, OPENING, PRIOR, WIDTH = 18, 19, 20, 21, 22
 MAX_MISFIT = 30.0  # of squared distances over variances: no outlier decides alone
@@ -41,11 +41,6 @@ class PackedCandidates(NamedTuple):
     grip: NDArray[np.int64]
     owner: NDArray[np.int64]
 
-    @property
-    def opening(self) -> Array:
-        """Between the contacts, shape (k,) [m]."""
-        return self.rows[:, OPENING]
-
 
 def pack_candidates(every: Sequence[Sequence[Candidate]]) -> PackedCandidates:
     """Put the candidates of each object one after the other."""
@@ -57,81 +52,6 @@ def pack_candidates(every: Sequence[Sequence[Candidate]]) -> PackedCandidates:
     ]).reshape(-1, WIDTH)  # fmt: skip
     grip = np.array([NAMES.index(c.grip) for _, c in flat], dtype=np.int64)
     return PackedCandidates(rows, grip, np.array([o for o, _ in flat], dtype=np.int64))
-
-
-class PlacedCandidates(NamedTuple):
-    """Candidates in the world, each turned as the hand suggests. Arrays of one length.
-
-    Attributes
-    ----------
-    score : (k,)
-        Log-probability, up to a constant of each object.
-    palm, approach, closing, point : (k, 3)
-        World frame [m].
-    free : (k,)
-        Largest roll about the approach that is as good [rad].
-    """
-
-    score: Array
-    palm: Array
-    approach: Array
-    closing: Array
-    point: Array
-    free: Array
-
-
-class HandEvidence(NamedTuple):
-    """What the movement of a hand says about where it will grasp. World frame.
-
-    Attributes
-    ----------
-    soon : (3,)
-        Where the palm is expected at contact [m].
-    spread : float
-        Standard deviation of that [m].
-    heading : (3,)
-        Unit vector of its velocity; zero if it hardly moves.
-    chord : (3,)
-        Unit vector of the way from rest to the contact, level; zero if unknown.
-    across, ahead : (3,)
-        As :class:`igrip.motion.palm_axes.PalmAxes`; zero if unknown.
-    """
-
-    soon: Array
-    spread: float
-    heading: Array
-    chord: Array
-    across: Array
-    ahead: Array
-
-
-def place(
-    packed: PackedCandidates, evidence: HandEvidence, rotations: Array, translations: Array,
-    cylinders: Array, weights: tuple[float, float, float],
-) -> PlacedCandidates:  # fmt: skip
-    """Place candidates in the world and weigh them.
-
-    Parameters
-    ----------
-    packed : PackedCandidates
-        Of the objects.
-    evidence : HandEvidence
-        Of the hand.
-    rotations, translations : (o, 3, 3), (o, 3)
-        World-from-mesh pose of each object [m].
-    cylinders : (o, 11)
-        Rows of :class:`igrip.geometry.cylinder.Cylinders`.
-    weights : 3 floats
-        Of the heading, of the way the hand points, and of how it is turned.
-    """
-    count = len(packed.rows)
-    score, vectors = np.empty(count), np.empty((count, 4, 3))
-    free = np.empty(count)
-    _place(packed.rows, packed.owner, rotations, translations, cylinders, *evidence, weights,
-           score, vectors, free)  # fmt: skip
-    return PlacedCandidates(
-        score, vectors[:, 0], vectors[:, 1], vectors[:, 2], vectors[:, 3], free
-    )  # fmt: skip
 
 
 @kernel
@@ -187,11 +107,37 @@ def _turned(row, at, offset, angle, out):
 
 
 @kernel
-def _place(
+def place(
     rows, owner, rotations, translations, cylinders, soon, spread, heading, chord, across, ahead,
     weights, score, vectors, free,
 ):  # fmt: skip
-    """Write the result of :func:`place`."""
+    """Place candidates in the world, each turned as the hand suggests, and weigh them.
+
+    Parameters
+    ----------
+    rows, owner : (k, 22), (k,)
+        Of :class:`PackedCandidates`.
+    rotations, translations : (o, 3, 3), (o, 3)
+        World-from-mesh pose of each object [m].
+    cylinders : (o, 11)
+        Rows of :class:`igrip.geometry.cylinder.Cylinders`.
+    soon, spread : (3,), float
+        Where the palm is expected at contact, and the standard deviation of that [m].
+    heading : (3,)
+        Unit vector of the hand's velocity; zero if it hardly moves.
+    chord : (3,)
+        Level unit vector of the way from rest to the target; zero if unknown.
+    across, ahead : (3,)
+        As :class:`igrip.motion.palm_axes.PalmAxes`; zero if unknown.
+    weights : 3 floats
+        Of the heading, of the way the hand points, and of how it is turned.
+    score : (k,), written
+        Log-probabilities, up to a constant of each object.
+    vectors : (k, 4, 3), written
+        Palm, approach, closing and point, world frame [m].
+    free : (k,), written
+        Largest roll about the approach that is as good [rad].
+    """
     own, goal, side = np.empty(3), np.empty(3), np.empty(3)
     local = np.empty((4, 3))
     for c in range(rows.shape[0]):

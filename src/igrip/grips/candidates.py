@@ -8,8 +8,8 @@ movement, and by how the hand is turned where its source measures that.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,29 +17,27 @@ from numpy.typing import NDArray
 from igrip.geometry.scene import Geometry, PlacedObject
 from igrip.grasps.candidates import candidates_of
 from igrip.grips import GRIPS, Grasp, Grip, GripConfig
-from igrip.grips._placed_candidates import (
-    HandEvidence,
-    PackedCandidates,
-    PlacedCandidates,
-    pack_candidates,
-    place,
-)
-from igrip.motion.reach_kernel import times_of
+from igrip.grips._choice import choose
+from igrip.grips._placed_candidates import PackedCandidates, pack_candidates
+from igrip.motion.palm_axes import PalmAxes
 from igrip.motion.trajectory import Motion
 from igrip.targets import TargetEstimate
 from igrip.taxonomy import NAMES
 
 Array = NDArray[np.float64]
 
-MIN_TARGET = 0.01  # objects less likely than this have no say
-AHEAD = 0.25  # s; before the highest speed nobody knows how long a reach still lasts
-# of velocity × time left is the rest of the way: 0.3 for a minimum jerk near its end, and both are
-# estimated somewhat late
-REMAINING = 0.25
-SHARE_OF_WAY = 0.4  # standard deviation of the way ahead, as a part of it
-MIN_SPEED = 0.05  # m/s; slower hands have no heading
-ROLL_STD = 0.1  # rad; of a candidate's own roll
-ZERO = np.zeros(3)
+UNKNOWN = PalmAxes((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+class _Frame(NamedTuple):
+    """Objects with their candidates and poses; kept while none of them changes."""
+
+    objects: Sequence[PlacedObject]
+    packed: PackedCandidates
+    rotations: Array
+    translations: Array
+    present: NDArray[np.int64]  # the grips that any candidate has
+    names: tuple[str, ...]
 
 
 @GRIPS.register("candidates")
@@ -53,124 +51,55 @@ class CandidateGrip:
     """
 
     def __init__(self, config: GripConfig) -> None:
-        self._config = config
         self._weights = (config.heading_weight, config.pointing_weight, config.turn_weight)
-        self._packed: tuple[tuple[int, ...], PackedCandidates] | None = None
+        self._palm_std = config.palm_std
+        self._frame: _Frame | None = None
 
     def select(self, estimate: TargetEstimate, geometry: Geometry, motion: Motion) -> Grip:
         """Return grip, probability of each grip, opening and wrist; none without a target.
 
         The grip, opening and wrist are those of the target; the probability of grips is averaged
-        over the objects that are likely.
+        over the objects.
         """
         target = estimate.target
         if target is None:
             return Grip(None)
-        packed = self._candidates(geometry.objects)
-        if not (packed.owner == target).any():
-            return Grip(None)
-        evidence = _evidence(motion, geometry.objects[target], self._config.palm_std)
-        placed = place(
-            packed, evidence, np.array([o.rotation for o in geometry.objects]),
-            np.array([o.translation for o in geometry.objects]), geometry.cylinders().rows,
-            self._weights,
+        frame = self._frame_of(geometry.objects)
+        objects = estimate.probability
+        if objects is None:
+            objects = np.zeros(len(geometry.objects))
+            objects[target] = 1.0
+        reach, palm = motion.reach, motion.palm or UNKNOWN
+        grips = np.zeros(len(NAMES))
+        name, opening, wrist, wrist_std, x, y, z = choose(
+            *frame.packed, frame.rotations, frame.translations, geometry.cylinders().rows, objects,
+            target, geometry.objects[target].centre, reach.state, reach.now,
+            reach.phase == "decelerating", reach.moving, *palm, self._palm_std, self._weights,
+            grips,
         )  # fmt: skip
-        objects = np.zeros(len(geometry.objects))
-        objects[target] = 1.0
-        if estimate.probability is not None:
-            objects = np.asarray(estimate.probability)[:-1]
-            objects = np.where(objects >= min(MIN_TARGET, objects[target]), objects, 0.0)
-        share = _share(placed.score, packed.owner, objects)
-        grips = np.bincount(packed.grip, share, len(NAMES))
-        own = packed.owner == target
-        of_target = np.bincount(packed.grip[own], share[own], len(NAMES))
-        name = int(np.argmax(of_target))
-        chosen = np.flatnonzero(own & (packed.grip == name))
-        probability = {NAMES[g]: float(grips[g]) for g in np.unique(packed.grip)}
-        return Grip(NAMES[name], probability, _grasp(packed, placed, share, chosen, evidence))
+        if name < 0:  # no hand fits round it
+            return Grip(None)
+        probability = dict(zip(frame.names, grips[frame.present].tolist(), strict=True))
+        return Grip(NAMES[name], probability, Grasp((x, y, z), opening, wrist, wrist_std))
 
-    def _candidates(self, objects: Sequence[PlacedObject]) -> PackedCandidates:
-        """Return the candidates of these objects; packed anew when others come."""
-        key = tuple(id(o.model) for o in objects)
-        if self._packed is None or self._packed[0] != key:
-            self._packed = key, pack_candidates([candidates_of(o.model) for o in objects])
-        return self._packed[1]
-
-
-def _evidence(motion: Motion, target: PlacedObject, palm_std: float) -> HandEvidence:
-    """Return what a movement says; see the module."""
-    # of the measured samples: the filtered ones lag by centimetres
-    position, velocity = motion.reach.now[0], motion.reach.now[1]
-    speed, ahead = math.hypot(*velocity.tolist()), AHEAD
-    if motion.reach.phase == "decelerating":
-        now, onset, peak = times_of(motion.reach.state)
-        ahead = REMAINING * min(max(2.0 * peak - onset - now, 0.05), 0.5)
-    way = ahead * velocity
-    spread = math.hypot(palm_std, SHARE_OF_WAY * ahead * speed)
-    start = motion.reach.start if motion.reach.moving else position
-    chord = target.centre - start
-    level = math.hypot(chord[0], chord[1])
-    chord = np.array([chord[0] / level, chord[1] / level, 0.0]) if level > 1e-6 else ZERO
-    palm = motion.palm
-    return HandEvidence(
-        position + way, spread, velocity / speed if speed > MIN_SPEED else ZERO, chord,
-        ZERO if palm is None else np.array(palm.across),
-        ZERO if palm is None else np.array(palm.ahead),
-    )  # fmt: skip
+    def _frame_of(self, objects: Sequence[PlacedObject]) -> _Frame:
+        """Return the candidates and poses of these objects."""
+        old = self._frame
+        if old is not None and len(old.objects) == len(objects):
+            if all(a is b for a, b in zip(old.objects, objects, strict=True)):
+                return old
+            if all(a.model is b.model for a, b in zip(old.objects, objects, strict=True)):
+                rotations, translations = _poses(objects)
+                self._frame = old._replace(
+                    objects=list(objects), rotations=rotations, translations=translations
+                )
+                return self._frame
+        packed = pack_candidates([candidates_of(o.model) for o in objects])
+        present = np.unique(packed.grip)
+        names = tuple(NAMES[grip] for grip in present)
+        self._frame = _Frame(list(objects), packed, *_poses(objects), present, names)
+        return self._frame
 
 
-def _share(score: Array, owner: NDArray[np.int64], objects: Array) -> Array:
-    """Return the probability of each candidate: that of its object, times its own there."""
-    best = np.full(len(objects), -np.inf)
-    np.maximum.at(best, owner, score)
-    odds = np.exp(score - best[owner])
-    total = np.bincount(owner, odds, len(objects))
-    share = odds / total[owner] * objects[owner]
-    whole: Array = share / share.sum()
-    return whole
-
-
-def _grasp(
-    packed: PackedCandidates, placed: PlacedCandidates, share: Array, chosen: NDArray[np.int64],
-    evidence: HandEvidence,
-) -> Grasp:  # fmt: skip
-    """Return the likeliest of some candidates; its wrist is as sure as the others agree with it."""
-    best = int(chosen[np.argmax(share[chosen])])
-    angles = np.array([wrist_of(placed.approach[c], placed.closing[c], evidence.chord)
-                       for c in chosen])  # fmt: skip
-    wrist = wrist_of(placed.approach[best], placed.closing[best], evidence.chord)
-    off = (angles - wrist + 0.5 * math.pi) % math.pi - 0.5 * math.pi
-    weight = share[chosen] / share[chosen].sum()
-    # a roll that is free is even over its range
-    own2 = ROLL_STD**2 + placed.free[best] ** 2 / 3.0
-    return Grasp(
-        tuple(placed.point[best].tolist()), float(packed.opening[best]), wrist,
-        math.sqrt(own2 + float(weight @ off**2)),
-    )  # fmt: skip
-
-
-def wrist_of(approach: Array, closing: Array, chord: Array) -> float:
-    """Return the rotation of a hand about its approach, between -π/2 and π/2 [rad].
-
-    Parameters
-    ----------
-    approach, closing : (3,)
-        Unit vectors: of the palm's way, and from the thumb to the fingers (or back).
-    chord : (3,)
-        Level unit vector of the reach.
-
-    Returns
-    -------
-    float
-        0 where the closing direction lies level and across the reach.
-    """
-    ax, ay, az = approach.tolist()
-    cx, cy, cz = closing.tolist()
-    lx, ly = -float(chord[1]), float(chord[0])  # to the left of the reach
-    along = lx * ax + ly * ay
-    hx, hy, hz = lx - along * ax, ly - along * ay, -along * az
-    if hx * hx + hy * hy + hz * hz < 1e-6:  # the hand comes from the side
-        hx, hy, hz = -az * ax, -az * ay, 1.0 - az * az
-    across = ax * (hy * cz - hz * cy) + ay * (hz * cx - hx * cz) + az * (hx * cy - hy * cx)
-    angle = math.atan2(across, hx * cx + hy * cy + hz * cz)
-    return (angle + 0.5 * math.pi) % math.pi - 0.5 * math.pi
+def _poses(objects: Sequence[PlacedObject]) -> tuple[Array, Array]:
+    return np.array([o.rotation for o in objects]), np.array([o.translation for o in objects])

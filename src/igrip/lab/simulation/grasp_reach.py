@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from igrip.grasps.candidate import CLEARANCE, Candidate, turn_about
 from igrip.grasps.candidates import candidates_of
-from igrip.grips.candidates import wrist_of
+from igrip.grips._choice import wrist_of
 from igrip.lab.simulation.minimum_jerk import progress
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
