@@ -8,7 +8,9 @@ from trimesh import creation
 
 
 def _fine(mesh):
-    return mesh.subdivide_to_size(0.008)
+    fine = mesh.subdivide_to_size(0.005)
+    fine.merge_vertices()  # noise must not tear the surface
+    return fine
 
 
 def _at(mesh, x=0.0, y=0.0, z=0.0, turn=None):

@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 POINTS = 3000
 MAX_FACES = 40_000  # of these the normals are averaged
-PATCH = 0.006  # m; about half of a fingertip's breadth
+PATCH = 0.007  # m; about half of a fingertip's breadth
+WALL, CLEAN = 0.2, 0.65  # of a patch's area; at an edge of a box 0.71 is left of it
 MAX_EDGE = 0.008  # m; longer edges are divided
 
 
@@ -84,11 +85,20 @@ def _smooth(centres: Array, oriented: Array, area: Array, chosen: NDArray[np.int
     own = cKDTree(centres[chosen])
     pairs = own.sparse_distance_matrix(cKDTree(centres), PATCH, output_type="coo_matrix")
     i, j = pairs.row, pairs.col
-    normals = oriented[chosen]
+    # noise folds small faces over, and only the sum of all of a patch is left of its direction;
+    # what is clean has more in common, and the two sides of a thin wall less
+    whole = _sums(i, oriented[j], len(chosen)) + oriented[chosen]
+    total = np.bincount(i, area[j], len(chosen)) + area[chosen]
+    common = np.linalg.norm(whole, axis=1) / total
+    folded = (common > WALL) & (common < CLEAN)
+    normals = np.where(folded[:, None], whole, oriented[chosen])
     for _ in range(2):
         same = np.einsum("pi,pi->p", normals[i], oriented[j]) > 0.0
         i, j = i[same], j[same]
-        normals = _sums(i, oriented[j], len(chosen)) + oriented[chosen]
+        normals = _sums(i, oriented[j], len(chosen))
+        lost = ~np.any(normals, axis=1)
+        normals[lost] = oriented[chosen][lost]
+        normals[folded] = whole[folded]
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     off = np.einsum("pi,pi->p", centres[j] - centres[chosen][i], normals[i])
     total = np.bincount(i, area[j], len(chosen)) + area[chosen]
