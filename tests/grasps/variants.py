@@ -55,8 +55,9 @@ def found_again(candidates, others, least=0.1):
 
 
 def is_same(a, b):
-    """Whether two candidates differ by little, each turned towards the other."""
-    a, b = a.turned(a.turn_towards(b)), b.turned(b.turn_towards(a))
+    """Whether two candidates differ by little, turned towards one another."""
+    a = a.turned(a.turn_towards(b))
+    b = b.turned(b.turn_towards(a))
     return (
         GRIP_TYPES[a.grip].family == GRIP_TYPES[b.grip].family
         and np.linalg.norm(a.point - b.point) < NEAR

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from igrip.compiled import kernel
 from igrip.geometry.cylinder import axis_of, centre_of, size_of
 from igrip.grasps.candidate import CLEARANCE, ON_AXIS, Candidate
+from igrip.grasps.hand_fit import FINGER
 from igrip.taxonomy import NAMES
 
 Array = NDArray[np.float64]
@@ -21,6 +22,7 @@ PALM, APPROACH, CLOSING, POINT, PIVOT, AXIS = 0, 3, 6, 9, 12, 15
 LOW, HIGH, OPENING, PRIOR, WIDTH = 18, 19, 20, 21, 22
 MAX_MISFIT = 30.0  # of squared distances over variances: no outlier decides alone
 UNDER = 0.03  # m; a palm so near over the lowest point of an object is below what it stands on
+LEVEL = 0.3  # of the closing direction's height: below it the fingers are beside the object
 BLOCKED = 6.0  # log-odds against such a candidate
 
 
@@ -199,6 +201,8 @@ def place(
         upright = abs(axis_of(cylinder)[2])
         lowest = centre_of(cylinder)[2] - half * upright
         lowest -= radius * math.sqrt(max(1.0 - upright * upright, 0.0))
-        if out[0, 2] < lowest + UNDER:
+        # what it stands on is in the way of the palm, or of the finger below
+        below = out[3, 2] - (0.5 * row[OPENING] + FINGER) * abs(out[2, 2])
+        if out[0, 2] < lowest + UNDER or (abs(out[2, 2]) > LEVEL and below < lowest):
             found -= BLOCKED
         score[c] = found

@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from igrip.grasps.candidate import CLEARANCE, Candidate, turn_about
 from igrip.grasps.candidates import candidates_of
+from igrip.grasps.hand_fit import FINGER
 from igrip.grips._choice import wrist_of
 from igrip.lab.simulation.minimum_jerk import progress
 from igrip.objects.model import ObjectModel
@@ -161,6 +162,7 @@ def _draw_grasp(
         turn += random.normal(0.0, config.side if moves else config.roll)
         placed = placed.turned(float(np.clip(turn, *placed.turns)))
         above = placed.palm(CLEARANCE)[2] > 0.04 and placed.approach[2] < 0.3
+        above &= bool((placed.contacts[:, 2] - FINGER * abs(placed.closing[2]) > 0.0).all())
         if above and placed.approach @ chord > -0.2:
             every.append(placed)
     return every[int(random.integers(len(every)))] if every else None
