@@ -13,7 +13,7 @@ import argparse
 import math
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -176,7 +176,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    tables = {
+    tables: dict[str, Callable[[], None]] = {
         "candidates": lambda: print_candidates(options.names),
         "reaches": lambda: print_reaches(options.count, options.seed),
         "cost": print_cost,
