@@ -1,0 +1,117 @@
+"""The palm of an arm, from the shape of its end: the widest place a hand's length from the tip.
+
+It asks for no fingers: a fist, a mitten, a splint or a hook end an arm as well.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import binary_closing, distance_transform_edt
+
+from igrip.rgbd import Array
+
+CELL = 0.004  # of the grid that the end of an arm is drawn on [m]
+HAND = 0.20  # length of the end that is looked at: fingers, palm and wrist [m]
+RANGE = (0.045, 0.145)  # of the palm's centre from the tip: fist and long straight fingers [m]
+USUAL = 0.095  # of the palm's centre from the tip, where the shape does not tell [m]; guess
+BROAD = 0.036  # half the breadth of a palm; what is broader is cloth or a splint [m]; guess
+THIN = 0.018  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
+SKIN = 0.006  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
+STD, STD_SHAPELESS = 0.010, 0.018  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
+
+
+class ArmEnd(NamedTuple):
+    """Where an arm ends, in the frame of the table [m]."""
+
+    palm: Array  # (3,)
+    tip: Array  # (3,)
+    along: Array  # (3,), unit vector from the arm to the tip
+    std: float  # of the palm
+
+
+def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
+    """Return where an arm ends; None if too little of it is measured.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        Of the arm's surface.
+    entry : (3,)
+        Where it comes in.
+    camera : (3,)
+        Where the camera is.
+    """
+    away = np.linalg.norm(points - entry, axis=1)
+    farthest = np.argpartition(away, -max(3, len(away) // 200))[-max(3, len(away) // 200) :]
+    tip = np.median(points[farthest], axis=0)
+    end = points[np.linalg.norm(points - tip, axis=1) < HAND]
+    if len(end) < 25:
+        return None
+    frame = _frame(end, tip, entry)
+    local = (end - tip) @ frame.T  # x back along the arm, y across it, z normal to both
+    breadth, low = _half_breadth(local[:, :2])
+    back, std = _palm_distance(breadth, low)
+    near = np.abs(local[:, 0] - back) < 0.02
+    if near.sum() < 8:
+        return None
+    row = breadth[int(np.clip((back - low[0]) / CELL, 0, len(breadth) - 1))]
+    broad = row > 0.85 * row.max()
+    across = float(np.mean(np.flatnonzero(broad)) * CELL + low[1]) if row.max() > 0 else 0.0
+    own = local[near & (np.abs(local[:, 1] - across) < 0.03)]
+    if len(own) < 4:
+        own = local[near]
+        across = float(np.median(own[:, 1]))
+    palm = tip + np.array([back, across, float(np.median(own[:, 2]))]) @ frame
+    ray = (palm - camera) / np.linalg.norm(palm - camera)
+    return ArmEnd(palm + SKIN * ray, tip, -frame[0], std)
+
+
+def _frame(end: Array, tip: Array, entry: Array) -> Array:
+    """Return unit axes as rows: back along the arm, across the hand, normal to both."""
+    middle = end.mean(axis=0)
+    back = middle - tip
+    if np.linalg.norm(back) < 1e-3:
+        back = entry - tip
+    back /= max(float(np.linalg.norm(back)), 1e-9)
+    rest = end - middle
+    rest = rest - np.outer(rest @ back, back)
+    across = np.linalg.svd(rest.T @ rest)[0][:, 0]
+    across -= (across @ back) * back
+    across /= max(float(np.linalg.norm(across)), 1e-9)
+    return np.stack([back, across, np.cross(back, across)])
+
+
+def _half_breadth(places: Array) -> tuple[Array, Array]:
+    """Return the distance of each cell of the end from its outline, (n, m) [m], and the corner.
+
+    ``places`` (n, 2) are along and across the arm; so are rows and columns.
+    """
+    low = places.min(axis=0) - 3 * CELL
+    cells = np.floor((places - low) / CELL).astype(int)
+    grid = np.zeros(cells.max(axis=0) + 4, dtype=np.bool_)
+    grid[cells[:, 0], cells[:, 1]] = True
+    grid = binary_closing(grid, np.ones((3, 3)), iterations=2)
+    breadth: Array = CELL * distance_transform_edt(grid)
+    return breadth, low
+
+
+def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
+    """Return how far behind the tip the palm's centre is, and its standard deviation [m].
+
+    Fingers are narrow, the palm is broad: its centre is where the arm, coming from the tip, first
+    is about as broad as it gets, but no broader than a palm, so that a wide cuff is not taken.
+    """
+    rows = breadth.max(axis=1)
+    back = low[0] + CELL * (np.arange(len(rows)) + 0.5)
+    inside = (back >= RANGE[0]) & (back <= RANGE[1])
+    if not inside.any() or rows[inside].max() < THIN:
+        return USUAL, STD_SHAPELESS
+    full = min(float(rows[inside].max()), BROAD)
+    broad = np.flatnonzero(inside & (rows >= 0.92 * full))
+    first = broad[0]
+    # the centre of the first broad stretch, as long as a palm at most
+    stretch = broad[back[broad] <= back[first] + 0.03]
+    shape = float(back[stretch].mean())
+    return 0.85 * shape + 0.15 * USUAL, STD

@@ -1,0 +1,215 @@
+"""Which piece belongs to which arm, from frame to frame; and which pieces are no arms at all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from igrip.perception.arms.blobs import Blob
+from igrip.perception.arms.palm import HAND, ArmEnd, arm_end
+from igrip.rgbd import Array
+
+GATE = 0.12  # a piece so near to where a hand should be may be its [m]; guess
+MIN_LENGTH = 0.12  # of an arm over the table [m]; guess
+LONG = 0.25  # an arm that was there from the beginning is so long [m]; guess
+SLENDER = 1.7  # times as long as broad, an arm is at least; guess
+HOVERS = 0.03  # what is nowhere lower than that stands on nothing [m]; guess
+LEANS = np.radians([12.0, 60.0])  # over the table: what stands is steeper, what lies less; guess
+NEAR_HAND = 0.12  # from a known hand: what moves there is what the hand moves [m]; guess
+STEP = 0.01  # a hand that moved so far has moved [m]; guess
+COAST = 0.1  # s for which a hand that is not measured goes on as before
+HELD = 0.4  # s for which an arm that is not measured is remembered
+SAME = 0.06  # arms nearer than that at both ends are one [m]; guess
+MAX_SPEED = 3.0  # of a hand [m/s]
+
+
+@dataclass(eq=False)
+class Arm:
+    """An arm that is followed, in the frame of the table [m]."""
+
+    entry: Array  # (3,)
+    end: ArmEnd
+    t: float  # s, when it was last measured
+    blob: Blob
+    born: Array  # (3,), its palm when it was new
+    appeared: bool  # it came in; else it was there from the beginning
+    still_since: float  # s
+    still_at: Array  # (3,)
+    moved: bool = False
+    hits: int = 1
+    velocity: Array = field(default_factory=lambda: np.zeros(3))
+
+    def predict(self, t: float) -> Array:
+        """Return where its palm should be at a time [s]."""
+        ahead: Array = self.end.palm + self.velocity * min(max(t - self.t, 0.0), COAST)
+        return ahead
+
+
+class ArmTracker:
+    """Follows the arms before one camera; ``forget_after`` is in seconds."""
+
+    def __init__(self, forget_after: float, still: float) -> None:
+        self._forget_after, self._still = forget_after, still
+        self.arms: list[Arm] = []
+
+    def update(self, t: float, blobs: list[Blob], camera: Array, outside: Array) -> list[Arm]:
+        """Return the arms that are measured in a frame of time ``t`` [s].
+
+        ``camera`` (3,) is where it is, ``outside`` (3,) a place beyond the edge where people are.
+        """
+        self.arms = [arm for arm in self.arms if t - arm.t <= HELD]
+        parts: dict[int, list[Blob]] = {}
+        free: list[Blob] = []
+        for blob in blobs:
+            owners = [k for k, arm in enumerate(self.arms) if _touches(blob, arm, t)]
+            if not owners:
+                free.append(blob)
+            for k, part in zip(owners, _shared(blob, [self.arms[k] for k in owners], t),
+                               strict=True):  # fmt: skip
+                if len(part.points) >= 25:
+                    parts.setdefault(k, []).append(part)
+        for k, own in parts.items():
+            self._follow(self.arms[k], t, _joined(own), camera)
+        self._drop_doubles()
+        for blob in free:
+            arm = self._new(t, blob, camera, outside)
+            if arm is not None:
+                self.arms.append(arm)
+        return [arm for arm in self.arms if arm.t == t]
+
+    def at_rest(self, arm: Arm, t: float) -> bool:
+        """Whether an arm has not moved for so long that it is a thing."""
+        patience = self._forget_after if arm.moved else self._still
+        return t - arm.still_since > patience
+
+    def _follow(self, arm: Arm, t: float, blob: Blob, camera: Array) -> None:
+        if blob.entry is not None:
+            arm.entry = blob.entry
+        elif arm.blob.entry is None:  # it hangs in the air: its far end goes along
+            arm.entry = arm.entry + arm.velocity * (t - arm.t)
+        end = arm_end(blob.points, arm.entry, camera)
+        if end is None:
+            return
+        dt = max(t - arm.t, 1e-3)
+        velocity = (end.palm - arm.end.palm) / dt
+        speed = float(np.linalg.norm(velocity))
+        velocity *= min(1.0, MAX_SPEED / max(speed, 1e-9))
+        arm.velocity = 0.5 * (arm.velocity + velocity)
+        arm.end, arm.t, arm.blob, arm.hits = end, t, blob, arm.hits + 1
+        if np.linalg.norm(end.palm - arm.still_at) > self._step(arm):
+            arm.still_at, arm.still_since = end.palm, t
+            arm.moved = True
+
+    def _step(self, arm: Arm) -> float:
+        return max(STEP, 1.5 * arm.end.std)
+
+    def _new(self, t: float, blob: Blob, camera: Array, outside: Array) -> Arm | None:
+        entry = blob.entry
+        if entry is None:
+            entry = _far_end(blob.points, outside)
+        end = arm_end(blob.points, entry, camera)
+        if end is None:
+            return None
+        length = float(np.linalg.norm(end.tip - entry))
+        beside = any(_gap(blob, arm.end) < NEAR_HAND for arm in self.arms if arm.moved)
+        if blob.entry is None:
+            good = not beside and length >= HAND and _is_airborne(blob, length)
+        elif blob.appeared and not beside:
+            good = length >= MIN_LENGTH
+        else:
+            good = length >= LONG and _is_slender(blob, length)
+        if not good:
+            return None
+        return Arm(entry, end, t, blob, end.palm, blob.appeared, t, end.palm)
+
+    def _drop_doubles(self) -> None:
+        kept: list[Arm] = []
+        for arm in sorted(self.arms, key=lambda arm: -arm.hits):
+            if not any(
+                np.linalg.norm(arm.entry - other.entry) < SAME
+                and np.linalg.norm(arm.end.palm - other.end.palm) < SAME
+                for other in kept
+            ):
+                kept.append(arm)
+        self.arms = [arm for arm in self.arms if arm in kept]
+
+
+def _gap(blob: Blob, end: ArmEnd) -> float:
+    return float(np.linalg.norm(blob.points - end.palm, axis=1).min())
+
+
+def _touches(blob: Blob, arm: Arm, t: float) -> bool:
+    gaps = np.linalg.norm(blob.points - arm.predict(t), axis=1)
+    return bool(gaps.min() < GATE)
+
+
+def _shared(blob: Blob, arms: list[Arm], t: float) -> list[Blob]:
+    """Return what of a piece is each arm's: what is nearest to where the arm should be."""
+    if len(arms) < 2:
+        return [blob] * len(arms)
+    gaps = np.stack([
+        _to_segment(blob.points, arm.entry, arm.predict(t) + 0.5 * HAND * arm.end.along)
+        for arm in arms
+    ])  # fmt: skip
+    nearest = gaps.argmin(axis=0)
+    return [
+        Blob(
+            blob.pixels[nearest == k], blob.points[nearest == k],
+            None if blob.entry is None else arm.entry, blob.appeared,
+        )
+        for k, arm in enumerate(arms)
+    ]  # fmt: skip
+
+
+def _joined(blobs: list[Blob]) -> Blob:
+    if len(blobs) == 1:
+        return blobs[0]
+    entries = [blob.entry for blob in blobs if blob.entry is not None]
+    return Blob(
+        np.concatenate([blob.pixels for blob in blobs]),
+        np.concatenate([blob.points for blob in blobs]),
+        entries[0] if entries else None, any(blob.appeared for blob in blobs),
+    )  # fmt: skip
+
+
+def _to_segment(points: Array, a: Array, b: Array) -> Array:
+    """Return the distance of points (n, 3) from a segment."""
+    way = b - a
+    share = np.clip((points - a) @ way / max(float(way @ way), 1e-9), 0.0, 1.0)
+    gaps: Array = np.linalg.norm(points - a - share[:, None] * way, axis=1)
+    return gaps
+
+
+def _axes(points: Array) -> tuple[Array, Array]:
+    """Return the standard deviations along the principal axes (3,), and the axes as rows."""
+    centred = points - points.mean(axis=0)
+    values, vectors = np.linalg.eigh(centred.T @ centred / len(points))
+    return np.sqrt(np.maximum(values[::-1], 0.0)), vectors[:, ::-1].T
+
+
+def _is_slender(blob: Blob, length: float) -> bool:
+    spread, _ = _axes(blob.points)
+    # a uniform strip of breadth b has a standard deviation of b / sqrt(12)
+    return bool(length > SLENDER * np.sqrt(12.0) * spread[1])
+
+
+def _is_airborne(blob: Blob, length: float) -> bool:
+    """Whether a piece that touches no edge stands on nothing and is as slender as an arm."""
+    if not _is_slender(blob, length):
+        return False
+    if np.percentile(blob.points[:, 2], 5.0) > HOVERS:
+        return True
+    _, axes = _axes(blob.points)
+    lean = np.arcsin(min(1.0, abs(float(axes[0, 2]))))
+    return bool(LEANS[0] < lean < LEANS[1])
+
+
+def _far_end(points: Array, outside: Array) -> Array:
+    """Return the end of a piece on the side that people are on."""
+    _, axes = _axes(points)
+    along = (points - points.mean(axis=0)) @ axes[0]
+    ends = [np.median(points[along <= np.percentile(along, q)], axis=0) if q < 50 else
+            np.median(points[along >= np.percentile(along, q)], axis=0) for q in (3.0, 97.0)]  # fmt: skip
+    gaps = [float(np.linalg.norm((end - outside)[:2])) for end in ends]
+    return ends[int(np.argmin(gaps))]
