@@ -55,8 +55,13 @@ class Background:
         lost = _opened(known & (self._missing >= 2))
         return Changes(nearer, known, lost, self._left < DISCLOSED_FOR)
 
-    def learn(self, depth: Depths, tolerance: Depths, dt: float, held: Mask) -> None:
-        """Learn from a depth picture; where ``held``, nothing nearer becomes background."""
+    def learn(
+        self, depth: Depths, tolerance: Depths, dt: float, held: Mask, above: Mask
+    ) -> None:
+        """Learn from a depth picture; where ``held``, nothing nearer becomes background.
+
+        What is not ``above`` the table, nor in front of anything known, is background at once.
+        """
         measured = depth > 0.0
         same = measured & (np.abs(depth - self._candidate) < tolerance)
         self._stays = np.where(same, self._stays + np.float32(dt), self._stays)
@@ -69,7 +74,8 @@ class Background:
         near = (self._level == 0.0) | (self._candidate < self._level - tolerance)
         self._stays = np.where(near & held, np.float32(0.0), self._stays)
         # what is farther was behind all along: two frames are enough
-        settled = (self._candidate > 0.0) & (self._stays >= np.where(near, self._settle, 0.0))
+        wait = near & (above | (self._level > 0.0))
+        settled = (self._candidate > 0.0) & (self._stays >= np.where(wait, self._settle, 0.0))
         settled &= same
         self._level = np.where(settled, self._candidate, self._level)
 

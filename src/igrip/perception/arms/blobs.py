@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, binary_opening, label
+from scipy.spatial import cKDTree
 
 from igrip.perception.arms.background import Background, Changes, Depths, Mask
 from igrip.perception.arms.table import Table
@@ -15,7 +16,8 @@ from igrip.rgbd import Array
 MIN_HEIGHT, MAX_HEIGHT = 0.012, 0.65  # of an arm above the table [m]; guess
 EDGE = 0.03  # what ends so near the table's edge comes in over it [m]; guess
 JUMP = 0.04  # a step in depth that parts two surfaces [m]; guess
-MIN_PIXELS = 30
+MIN_PIXELS = 12
+GAP = 0.04  # pieces so near to each other in space are one [m]; guess
 CONTACT = 6  # pixels of a still piece that touch what has moved, and what it uncovered; guess
 SQUARE = np.ones((3, 3), dtype=np.bool_)
 
@@ -88,7 +90,39 @@ def find_blobs(scene: Scene, changes: Changes, background: Background) -> list[B
         if sizes[number] >= MIN_PIXELS
         and (blob := _blob(scene, changes, numbers == number, moved)) is not None
     ]
-    return sorted(blobs, key=lambda blob: -len(blob.points))
+    return sorted(_gathered(blobs), key=lambda blob: -len(blob.points))
+
+
+def _gathered(blobs: list[Blob]) -> list[Blob]:
+    """Join the pieces that are close in space: rods, fingers and straps hide what links them."""
+    joined: list[list[Blob]] = []
+    for blob in blobs:
+        tree = cKDTree(blob.points[::3])
+        near = [
+            others
+            for others in joined
+            if any(
+                other.appeared == blob.appeared
+                and tree.query(other.points[::3], distance_upper_bound=GAP)[0].min() < GAP
+                for other in others
+            )
+        ]
+        joined = [others for others in joined if others not in near]
+        joined.append([blob, *(other for others in near for other in others)])
+    return [join(others) for others in joined]
+
+
+def join(blobs: list[Blob]) -> Blob:
+    """Return several pieces as one."""
+    if len(blobs) == 1:
+        return blobs[0]
+    entries = [blob for blob in blobs if blob.entry is not None]
+    main = max(entries, key=lambda blob: len(blob.points), default=blobs[0])
+    return Blob(
+        np.concatenate([blob.pixels for blob in blobs]),
+        np.concatenate([blob.points for blob in blobs]),
+        main.entry, any(blob.appeared for blob in blobs),
+    )  # fmt: skip
 
 
 def _set_out(still: Mask, moved: Mask, disclosed: Mask) -> Mask:

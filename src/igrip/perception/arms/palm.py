@@ -8,18 +8,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import binary_closing, distance_transform_edt
+from scipy.ndimage import binary_closing, distance_transform_edt, uniform_filter1d
 
 from igrip.rgbd import Array
 
 CELL = 0.004  # of the grid that the end of an arm is drawn on [m]
-HAND = 0.20  # length of the end that is looked at: fingers, palm and wrist [m]
-RANGE = (0.045, 0.145)  # of the palm's centre from the tip: fist and long straight fingers [m]
-USUAL = 0.095  # of the palm's centre from the tip, where the shape does not tell [m]; guess
-BROAD = 0.036  # half the breadth of a palm; what is broader is cloth or a splint [m]; guess
-THIN = 0.018  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
+HAND = 0.21  # length of the end that is looked at: fingers, palm and wrist [m]
+RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long straight fingers [m]
+USUAL = 0.110  # of the palm's centre from the tip, where the shape does not tell [m]; guess
+BROAD = 0.040  # half the breadth of a palm; what is broader is cloth or a splint [m]; guess
+PALM = 0.022  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
+NECK = 0.82  # a wrist is so many times as broad as a palm, or less; guess
+TO_WRIST = 0.022  # from the palm's centre to where the arm gets so narrow [m]; docs/hands.md
 SKIN = 0.006  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
-STD, STD_SHAPELESS = 0.010, 0.018  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
+STD, STD_SHAPELESS = 0.010, 0.020  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
 
 
 class ArmEnd(NamedTuple):
@@ -92,7 +94,7 @@ def _half_breadth(places: Array) -> tuple[Array, Array]:
     cells = np.floor((places - low) / CELL).astype(int)
     grid = np.zeros(cells.max(axis=0) + 4, dtype=np.bool_)
     grid[cells[:, 0], cells[:, 1]] = True
-    grid = binary_closing(grid, np.ones((3, 3)), iterations=2)
+    grid = binary_closing(grid, np.ones((3, 3)), iterations=1)
     breadth: Array = CELL * distance_transform_edt(grid)
     return breadth, low
 
@@ -100,18 +102,20 @@ def _half_breadth(places: Array) -> tuple[Array, Array]:
 def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
     """Return how far behind the tip the palm's centre is, and its standard deviation [m].
 
-    Fingers are narrow, the palm is broad: its centre is where the arm, coming from the tip, first
-    is about as broad as it gets, but no broader than a palm, so that a wide cuff is not taken.
+    Fingers may be long or bent, but from the palm to the wrist it is always as far: where the arm,
+    coming from the tip, first becomes narrower than it was. Where nothing does (a long cuff), the
+    broadest place and the usual distance decide.
     """
-    rows = breadth.max(axis=1)
+    rows = uniform_filter1d(breadth.max(axis=1), 3)
     back = low[0] + CELL * (np.arange(len(rows)) + 0.5)
+    until = np.maximum.accumulate(np.where(back > 0.02, rows, 0.0))
+    neck = (until >= PALM) & (rows < NECK * until) & (back >= RANGE[0]) & (back < HAND - 0.01)
+    if neck.any():
+        palm = float(back[np.argmax(neck)]) - TO_WRIST
+        return float(np.clip(palm, *RANGE)), STD
     inside = (back >= RANGE[0]) & (back <= RANGE[1])
-    if not inside.any() or rows[inside].max() < THIN:
+    if not inside.any() or rows[inside].max() < PALM:
         return USUAL, STD_SHAPELESS
-    full = min(float(rows[inside].max()), BROAD)
-    broad = np.flatnonzero(inside & (rows >= 0.92 * full))
-    first = broad[0]
-    # the centre of the first broad stretch, as long as a palm at most
-    stretch = broad[back[broad] <= back[first] + 0.03]
-    shape = float(back[stretch].mean())
-    return 0.85 * shape + 0.15 * USUAL, STD
+    weight = np.minimum(rows[inside], BROAD) ** 8
+    broadest = float((weight * back[inside]).sum() / weight.sum())
+    return 0.25 * broadest + 0.75 * USUAL, STD_SHAPELESS

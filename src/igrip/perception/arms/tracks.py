@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from igrip.perception.arms.blobs import Blob
+from igrip.perception.arms.blobs import Blob, join
 from igrip.perception.arms.palm import HAND, ArmEnd, arm_end
 from igrip.rgbd import Array
 
@@ -32,10 +32,9 @@ class Arm:
     end: ArmEnd
     t: float  # s, when it was last measured
     blob: Blob
-    born: Array  # (3,), its palm when it was new
-    appeared: bool  # it came in; else it was there from the beginning
     still_since: float  # s
     still_at: Array  # (3,)
+    sure: bool  # it is an arm by its look; else it has to move first
     moved: bool = False
     hits: int = 1
     velocity: Array = field(default_factory=lambda: np.zeros(3))
@@ -70,13 +69,13 @@ class ArmTracker:
                 if len(part.points) >= 25:
                     parts.setdefault(k, []).append(part)
         for k, own in parts.items():
-            self._follow(self.arms[k], t, _joined(own), camera)
+            self._follow(self.arms[k], t, join(own), camera)
         self._drop_doubles()
         for blob in free:
             arm = self._new(t, blob, camera, outside)
             if arm is not None:
                 self.arms.append(arm)
-        return [arm for arm in self.arms if arm.t == t]
+        return [arm for arm in self.arms if arm.t == t and (arm.sure or arm.moved)]
 
     def at_rest(self, arm: Arm, t: float) -> bool:
         """Whether an arm has not moved for so long that it is a thing."""
@@ -102,7 +101,7 @@ class ArmTracker:
             arm.moved = True
 
     def _step(self, arm: Arm) -> float:
-        return max(STEP, 1.5 * arm.end.std)
+        return STEP if arm.sure else 2.0 * STEP
 
     def _new(self, t: float, blob: Blob, camera: Array, outside: Array) -> Arm | None:
         entry = blob.entry
@@ -115,13 +114,14 @@ class ArmTracker:
         beside = any(_gap(blob, arm.end) < NEAR_HAND for arm in self.arms if arm.moved)
         if blob.entry is None:
             good = not beside and length >= HAND and _is_airborne(blob, length)
+            sure = blob.appeared
         elif blob.appeared and not beside:
-            good = length >= MIN_LENGTH
+            good = sure = length >= MIN_LENGTH
         else:
-            good = length >= LONG and _is_slender(blob, length)
+            good = sure = length >= LONG and _is_slender(blob, length)
         if not good:
             return None
-        return Arm(entry, end, t, blob, end.palm, blob.appeared, t, end.palm)
+        return Arm(entry, end, t, blob, t, end.palm, sure)
 
     def _drop_doubles(self) -> None:
         kept: list[Arm] = []
@@ -160,17 +160,6 @@ def _shared(blob: Blob, arms: list[Arm], t: float) -> list[Blob]:
         )
         for k, arm in enumerate(arms)
     ]  # fmt: skip
-
-
-def _joined(blobs: list[Blob]) -> Blob:
-    if len(blobs) == 1:
-        return blobs[0]
-    entries = [blob.entry for blob in blobs if blob.entry is not None]
-    return Blob(
-        np.concatenate([blob.pixels for blob in blobs]),
-        np.concatenate([blob.points for blob in blobs]),
-        entries[0] if entries else None, any(blob.appeared for blob in blobs),
-    )  # fmt: skip
 
 
 def _to_segment(points: Array, a: Array, b: Array) -> Array:

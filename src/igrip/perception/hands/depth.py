@@ -115,7 +115,7 @@ class DepthHands:
         for arm in arms:
             if not camera.tracker.at_rest(arm, frame.t):
                 held[arm.blob.pixels[:, 0], arm.blob.pixels[:, 1]] = True
-        camera.background.learn(depth, scene.tolerance, dt, held)
+        camera.background.learn(depth, scene.tolerance, dt, held, scene.above)
         found = [self._detection(camera, frame, scene, arm, step) for arm in arms]
         return sorted(found, key=lambda hand: -hand.score)
 
