@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, binary_opening, label
+from scipy.ndimage import binary_dilation, label
 from scipy.spatial import cKDTree
 
-from igrip.perception.arms.background import Background, Changes, Depths, Mask
+from igrip.perception.arms.background import Background, Changes, Depths, Mask, solid
 from igrip.perception.arms.table import Table
 from igrip.rgbd import Array
 
@@ -74,7 +74,7 @@ def find_blobs(scene: Scene, changes: Changes, background: Background) -> list[B
     What is still and touches something that moves, where something was uncovered as well, moves
     along: a resting arm that sets out was background, and is so no longer.
     """
-    moved = scene.above & binary_opening(changes.nearer, SQUARE)
+    moved = scene.above & solid(changes.nearer)
     still = scene.above & ~changes.nearer
     setting_out = _set_out(still, moved & changes.known, changes.disclosed)
     if setting_out.any():
@@ -97,19 +97,23 @@ def _gathered(blobs: list[Blob]) -> list[Blob]:
     """Join the pieces that are close in space: rods, fingers and straps hide what links them."""
     joined: list[list[Blob]] = []
     for blob in blobs:
-        tree = cKDTree(blob.points[::3])
-        near = [
-            others
-            for others in joined
-            if any(
-                other.appeared == blob.appeared
-                and tree.query(other.points[::3], distance_upper_bound=GAP)[0].min() < GAP
-                for other in others
-            )
-        ]
-        joined = [others for others in joined if others not in near]
-        joined.append([blob, *(other for others in near for other in others)])
+        near = [others for others in joined if any(_close(blob, other) for other in others)]
+        apart = [others for others in joined if not any(others is one for one in near)]
+        joined = [*apart, [blob, *(other for others in near for other in others)]]
     return [join(others) for others in joined]
+
+
+def _close(one: Blob, other: Blob) -> bool:
+    if not (one.appeared and other.appeared):  # what was there from the beginning may be things
+        return False
+    if (_box(one)[0] > _box(other)[1] + GAP).any() or (_box(other)[0] > _box(one)[1] + GAP).any():
+        return False
+    gaps, _ = cKDTree(one.points[::2]).query(other.points[::2], distance_upper_bound=GAP)
+    return bool(gaps.min() < GAP)
+
+
+def _box(blob: Blob) -> tuple[Array, Array]:
+    return blob.points.min(axis=0), blob.points.max(axis=0)
 
 
 def join(blobs: list[Blob]) -> Blob:

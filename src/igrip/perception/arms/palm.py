@@ -8,19 +8,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import binary_closing, distance_transform_edt, uniform_filter1d
+from scipy.ndimage import binary_closing, binary_fill_holes, distance_transform_edt, uniform_filter1d
 
 from igrip.rgbd import Array
 
 CELL = 0.004  # of the grid that the end of an arm is drawn on [m]
 HAND = 0.21  # length of the end that is looked at: fingers, palm and wrist [m]
 RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long straight fingers [m]
-USUAL = 0.110  # of the palm's centre from the tip, where the shape does not tell [m]; guess
-BROAD = 0.040  # half the breadth of a palm; what is broader is cloth or a splint [m]; guess
+USUAL = 0.112  # of the palm's centre from the tip, where the shape does not tell [m]; guess
 PALM = 0.022  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
 NECK = 0.82  # a wrist is so many times as broad as a palm, or less; guess
 TO_WRIST = 0.022  # from the palm's centre to where the arm gets so narrow [m]; docs/hands.md
-SKIN = 0.006  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
+SKIN = 0.010  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
 STD, STD_SHAPELESS = 0.010, 0.020  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
 
 
@@ -52,7 +51,8 @@ def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
     if len(end) < 25:
         return None
     frame = _frame(end, tip, entry)
-    local = (end - tip) @ frame.T  # x back along the arm, y across it, z normal to both
+    local = (points - tip) @ frame.T  # x back along the arm, y across it, z normal to both
+    local = local[(local[:, 0] < HAND) & (np.abs(local[:, 1:]) < 0.5 * HAND).all(axis=1)]
     breadth, low = _half_breadth(local[:, :2])
     back, std = _palm_distance(breadth, low)
     near = np.abs(local[:, 0] - back) < 0.02
@@ -92,11 +92,14 @@ def _half_breadth(places: Array) -> tuple[Array, Array]:
     """
     low = places.min(axis=0) - 3 * CELL
     cells = np.floor((places - low) / CELL).astype(int)
-    grid = np.zeros(cells.max(axis=0) + 4, dtype=np.bool_)
+    grid = np.zeros(cells.max(axis=0) + 1, dtype=np.bool_)
     grid[cells[:, 0], cells[:, 1]] = True
-    grid = binary_closing(grid, np.ones((3, 3)), iterations=1)
+    grid[-1] = grid[-3:].any(axis=0)
+    # the arm goes on where it is cut off
+    grid = np.pad(np.pad(grid, ((0, 20), (0, 0)), mode="edge"), ((0, 0), (0, 3)))
+    grid = binary_fill_holes(binary_closing(grid, np.ones((3, 3)), iterations=2))
     breadth: Array = CELL * distance_transform_edt(grid)
-    return breadth, low
+    return breadth[:-20], low
 
 
 def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
@@ -104,7 +107,7 @@ def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
 
     Fingers may be long or bent, but from the palm to the wrist it is always as far: where the arm,
     coming from the tip, first becomes narrower than it was. Where nothing does (a long cuff), the
-    broadest place and the usual distance decide.
+    usual distance is taken.
     """
     rows = uniform_filter1d(breadth.max(axis=1), 3)
     back = low[0] + CELL * (np.arange(len(rows)) + 0.5)
@@ -113,9 +116,4 @@ def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
     if neck.any():
         palm = float(back[np.argmax(neck)]) - TO_WRIST
         return float(np.clip(palm, *RANGE)), STD
-    inside = (back >= RANGE[0]) & (back <= RANGE[1])
-    if not inside.any() or rows[inside].max() < PALM:
-        return USUAL, STD_SHAPELESS
-    weight = np.minimum(rows[inside], BROAD) ** 8
-    broadest = float((weight * back[inside]).sum() / weight.sum())
-    return 0.25 * broadest + 0.75 * USUAL, STD_SHAPELESS
+    return USUAL, STD_SHAPELESS

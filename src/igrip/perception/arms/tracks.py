@@ -13,6 +13,7 @@ from igrip.rgbd import Array
 GATE = 0.12  # a piece so near to where a hand should be may be its [m]; guess
 MIN_LENGTH = 0.12  # of an arm over the table [m]; guess
 LONG = 0.25  # an arm that was there from the beginning is so long [m]; guess
+LONG_SLENDER = 2.4  # and so many times as long as broad; guess
 SLENDER = 1.7  # times as long as broad, an arm is at least; guess
 HOVERS = 0.03  # what is nowhere lower than that stands on nothing [m]; guess
 LEANS = np.radians([12.0, 60.0])  # over the table: what stands is steeper, what lies less; guess
@@ -33,7 +34,7 @@ class Arm:
     t: float  # s, when it was last measured
     blob: Blob
     still_since: float  # s
-    still_at: Array  # (3,)
+    still_at: Array  # (3, 3): palm, tip and middle at that time
     sure: bool  # it is an arm by its look; else it has to move first
     moved: bool = False
     hits: int = 1
@@ -96,12 +97,12 @@ class ArmTracker:
         velocity *= min(1.0, MAX_SPEED / max(speed, 1e-9))
         arm.velocity = 0.5 * (arm.velocity + velocity)
         arm.end, arm.t, arm.blob, arm.hits = end, t, blob, arm.hits + 1
-        if np.linalg.norm(end.palm - arm.still_at) > self._step(arm):
-            arm.still_at, arm.still_since = end.palm, t
-            arm.moved = True
-
-    def _step(self, arm: Arm) -> float:
-        return STEP if arm.sure else 2.0 * STEP
+        middle = blob.points.mean(axis=0)
+        step = STEP if arm.sure else 2.0 * STEP
+        gaps = np.stack([end.palm, end.tip, middle]) - arm.still_at
+        if np.linalg.norm(gaps, axis=1).min() > step:  # noise moves one or the other
+            arm.still_at = np.stack([end.palm, end.tip, middle])
+            arm.still_since, arm.moved = t, True
 
     def _new(self, t: float, blob: Blob, camera: Array, outside: Array) -> Arm | None:
         entry = blob.entry
@@ -118,10 +119,11 @@ class ArmTracker:
         elif blob.appeared and not beside:
             good = sure = length >= MIN_LENGTH
         else:
-            good = sure = length >= LONG and _is_slender(blob, length)
+            good, sure = length >= MIN_LENGTH, _is_long(blob)
         if not good:
             return None
-        return Arm(entry, end, t, blob, t, end.palm, sure)
+        still = np.stack([end.palm, end.tip, blob.points.mean(axis=0)])
+        return Arm(entry, end, t, blob, t, still, sure)
 
     def _drop_doubles(self) -> None:
         kept: list[Arm] = []
@@ -181,6 +183,14 @@ def _is_slender(blob: Blob, length: float) -> bool:
     spread, _ = _axes(blob.points)
     # a uniform strip of breadth b has a standard deviation of b / sqrt(12)
     return bool(length > SLENDER * np.sqrt(12.0) * spread[1])
+
+
+def _is_long(blob: Blob) -> bool:
+    """Whether a piece lies along the table, as long and slender as an arm."""
+    flat = blob.points * [1.0, 1.0, 0.0]
+    spread, axes = _axes(flat)
+    length = float(np.ptp(np.percentile(flat @ axes[0], [1.0, 99.0])))
+    return bool(length >= LONG and length > LONG_SLENDER * np.sqrt(12.0) * spread[1])
 
 
 def _is_airborne(blob: Blob, length: float) -> bool:
