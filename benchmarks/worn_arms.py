@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ ARM = 0.55  # length of what is behind the wrist [m]
 WRIST = -0.055  # x of the wrist [m]
 
 
-def _rod(start: Sequence[float], end: Sequence[float], radius: float) -> Any:
+def _rod(start: Sequence[float] | Array, end: Sequence[float] | Array, radius: float) -> Any:
     """Return a rounded rod between two points."""
     a, b = np.array(start, dtype=np.float64), np.array(end, dtype=np.float64)
     rod = trimesh.creation.capsule(
@@ -61,8 +62,12 @@ def _hand(thick: float, curl: float) -> list[Any]:
         second = first + 0.5 * length * np.array([np.cos(more), 0.0, -np.sin(more)])
         parts += [_rod(knuckle, first, 0.009 + thick), _rod(first, second, 0.008 + thick)]
     side = 0.062 - 0.02 * curl
-    parts += [_rod((-0.03, 0.03, -0.005), (0.02, side, -0.012), 0.011 + thick),
-              _rod((0.02, side, -0.012), (0.05, side - 0.01 * curl, -0.015), 0.010 + thick)]  # fmt: skip
+    root, joint, tip = (
+        (-0.03, 0.03, -0.005),
+        (0.02, side, -0.012),
+        (0.05, side - 0.01 * curl, -0.015),
+    )
+    parts += [_rod(root, joint, 0.011 + thick), _rod(joint, tip, 0.010 + thick)]
     return parts
 
 
@@ -108,7 +113,7 @@ def _hook() -> dict[str, list[Any]]:
         [(-0.06, y, 0.0), (-0.01, 1.6 * y, 0.0), (0.04, 1.8 * y, -0.005), (0.075, 0.4 * y, -0.02)]
         for y in (0.014, -0.014)
     ]
-    hooks = [_rod(a, b, 0.008) for bow in bows for a, b in zip(bow, bow[1:], strict=False)]
+    hooks = [_rod(a, b, 0.008) for bow in bows for a, b in pairwise(bow)]
     return {"hook": [*hooks, _rod((-0.09, 0, 0), (-0.055, 0, 0), 0.022)],
             "socket": [_sleeve(0.042, -0.12)]}  # fmt: skip
 

@@ -54,9 +54,7 @@ class Background:
         lost = solid(known & (self._missing >= 2))
         return Changes(nearer, known, lost, self._left < DISCLOSED_FOR)
 
-    def learn(
-        self, depth: Depths, tolerance: Depths, dt: float, held: Mask, above: Mask
-    ) -> None:
+    def learn(self, depth: Depths, tolerance: Depths, dt: float, held: Mask, above: Mask) -> None:
         """Learn from a depth picture; where ``held``, nothing nearer becomes background.
 
         What is not ``above`` the table, nor in front of anything known, is background at once.

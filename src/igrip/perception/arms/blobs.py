@@ -109,7 +109,7 @@ def _close(one: Blob, other: Blob) -> bool:
     if (_box(one)[0] > _box(other)[1] + GAP).any() or (_box(other)[0] > _box(one)[1] + GAP).any():
         return False
     gaps, _ = cKDTree(one.points[::2]).query(other.points[::2], distance_upper_bound=GAP)
-    return bool(gaps.min() < GAP)
+    return bool(np.min(gaps) < GAP)
 
 
 def _box(blob: Blob) -> tuple[Array, Array]:

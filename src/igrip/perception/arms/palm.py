@@ -8,10 +8,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import binary_closing, binary_fill_holes, distance_transform_edt, uniform_filter1d
+from scipy.ndimage import (
+    binary_closing,
+    binary_fill_holes,
+    distance_transform_edt,
+    uniform_filter1d,
+)
 
 from igrip.rgbd import Array
 
+SQUARE = np.ones((3, 3), dtype=np.bool_)
 CELL = 0.004  # of the grid that the end of an arm is drawn on [m]
 HAND = 0.21  # length of the end that is looked at: fingers, palm and wrist [m]
 RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long straight fingers [m]
@@ -97,7 +103,7 @@ def _half_breadth(places: Array) -> tuple[Array, Array]:
     grid[-1] = grid[-3:].any(axis=0)
     # the arm goes on where it is cut off
     grid = np.pad(np.pad(grid, ((0, 20), (0, 0)), mode="edge"), ((0, 0), (0, 3)))
-    grid = binary_fill_holes(binary_closing(grid, np.ones((3, 3)), iterations=2))
+    grid = binary_fill_holes(binary_closing(grid, SQUARE, iterations=2))
     breadth: Array = CELL * distance_transform_edt(grid)
     return breadth[:-20], low
 

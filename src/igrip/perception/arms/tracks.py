@@ -208,7 +208,8 @@ def _far_end(points: Array, outside: Array) -> Array:
     """Return the end of a piece on the side that people are on."""
     _, axes = _axes(points)
     along = (points - points.mean(axis=0)) @ axes[0]
-    ends = [np.median(points[along <= np.percentile(along, q)], axis=0) if q < 50 else
-            np.median(points[along >= np.percentile(along, q)], axis=0) for q in (3.0, 97.0)]  # fmt: skip
+    low, high = np.percentile(along, [3.0, 97.0])
+    ends = [np.median(points[along <= low], axis=0), np.median(points[along >= high], axis=0)]
     gaps = [float(np.linalg.norm((end - outside)[:2])) for end in ends]
-    return ends[int(np.argmin(gaps))]
+    far: Array = ends[int(np.argmin(gaps))]
+    return far

@@ -43,7 +43,8 @@ class HandDetection(NamedTuple):
 class HandDetector(Protocol):
     """Detects hands in pictures; may remember those of each camera from frame to frame.
 
-    A detector may have a ``problem``, a string or None: why it finds no hands just now.
+    A detector may have a ``problem``, a string or None: why it finds no hands just now; and
+    ``needs_depth``, true: it raises an IgripError on a frame without depth.
     """
 
     def detect(self, frame: RgbdFrame) -> list[HandDetection]:
@@ -70,9 +71,8 @@ def new_detector(name: str, options: Mapping[str, Any] | None = None) -> HandDet
 
 def palm_pixel(landmarks: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return where the palm of a detection's landmarks is in the picture, (2,) [pixels]."""
-    if len(landmarks) != LANDMARKS:
-        return landmarks[0]
-    palm: NDArray[np.float64] = landmarks[list(PALM)].mean(axis=0)
+    known = len(landmarks) == LANDMARKS
+    palm: NDArray[np.float64] = landmarks[list(PALM)].mean(axis=0) if known else landmarks[0]
     return palm
 
 

@@ -76,6 +76,8 @@ class DepthHands:
         Why no hand can be found just now: there is no table.
     """
 
+    needs_depth = True
+
     def __init__(self, options: Mapping[str, Any] | DepthHandsConfig | None = None) -> None:
         self._config = hand_options(DepthHandsConfig, "depth", options)
         self._random = np.random.default_rng(self._config.seed)
@@ -123,9 +125,7 @@ class DepthHands:
         """Forget all cameras."""
         self._cameras.clear()
 
-    def _reduced(
-        self, frame: RgbdFrame, depth: Depths
-    ) -> tuple[Depths, Array, int]:
+    def _reduced(self, frame: RgbdFrame, depth: Depths) -> tuple[Depths, Array, int]:
         """Return depth (h, w) at a smaller size, its points (h, w, 3), and the pixels' distance."""
         step = max(1, depth.shape[1] // self._config.width)
         rows, columns = (-(-n // step) for n in depth.shape)
@@ -169,7 +169,8 @@ class DepthHands:
         centre = np.array([*camera.table.centre, 0.0])
         side = np.mean(entered, axis=0) - centre if entered else (centre - eye) * [1.0, 1.0, 0.0]
         length = float(np.linalg.norm(side))
-        return centre + (side / length if length > 0.05 else np.array([0.0, 1.0, 0.0]))
+        place: Array = centre + (side / length if length > 0.05 else np.array([0.0, 1.0, 0.0]))
+        return place
 
     def _detection(
         self, camera: _CameraState, frame: RgbdFrame, scene: Scene, arm: Arm, step: int
