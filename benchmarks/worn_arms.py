@@ -50,12 +50,19 @@ def _round(size: Sequence[float], at: Sequence[float] = (0.0, 0.0, 0.0)) -> Any:
     return body
 
 
+def _palm(thick: float) -> Any:
+    """Return a palm: broad at the knuckles, narrower at the wrist."""
+    corners = [(0.024, 0.027), (0.024, -0.027), (-0.048, 0.018), (-0.048, -0.018)]
+    balls = [_round(3 * [0.030 + 2 * thick], (x, y, 0.0)) for x, y in corners]
+    return trimesh.util.concatenate(balls).convex_hull
+
+
 def _hand(thick: float, curl: float) -> list[Any]:
     """Return palm and fingers; ``thick`` is cloth round them [m], ``curl`` 0 open to 1 a fist."""
-    parts = [_round((0.115 + thick, 0.085 + 2 * thick, 0.030 + 2 * thick), (-0.005, 0.0, 0.0))]
+    parts = [_palm(thick)]
     for k, length in enumerate((0.075, 0.085, 0.080, 0.062)):
         y = 0.032 - 0.021 * k
-        knuckle = np.array([0.038, y, 0.0])
+        knuckle = np.array([0.030, y, 0.0])
         bend = np.radians(85.0) * curl
         first = knuckle + 0.5 * length * np.array([np.cos(bend), 0.0, -np.sin(bend)])
         more = 1.9 * bend

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, grey_dilation, label
 from scipy.spatial import cKDTree
 
 from igrip.perception.arms.background import Background, Changes, Depths, Mask, solid
@@ -83,6 +83,9 @@ def find_blobs(scene: Scene, changes: Changes, background: Background) -> list[B
     # cloth without depth hangs together with what is measured
     bridged = (moved & ~_steps(scene.depth, moved)) | changes.lost
     numbers, count = label(bridged, SQUARE)
+    for _ in range(2):  # the pixels of a step go with what is beside them
+        grown = grey_dilation(numbers, size=(3, 3))
+        numbers = np.where((numbers == 0) & moved, grown, numbers)
     sizes = np.bincount(numbers[moved], minlength=count + 1)
     blobs = [
         blob

@@ -19,12 +19,13 @@ from igrip.rgbd import Array
 
 SQUARE = np.ones((3, 3), dtype=np.bool_)
 CELL = 0.004  # of the grid that the end of an arm is drawn on [m]
-HAND = 0.21  # length of the end that is looked at: fingers, palm and wrist [m]
+HAND = 0.24  # length of the end that is looked at: fingers, palm and wrist [m]
 RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long straight fingers [m]
 USUAL = 0.112  # of the palm's centre from the tip, where the shape does not tell [m]; guess
 PALM = 0.022  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
-NECK = 0.82  # a wrist is so many times as broad as a palm, or less; guess
-TO_WRIST = 0.022  # from the palm's centre to where the arm gets so narrow [m]; docs/hands.md
+NECK = 0.75  # a wrist is so many times as broad as a palm, or less; guess
+TAPER, TAPERED = 0.06, 0.25  # within so far [m] the rest of the way to its narrowest; guess
+TO_WRIST = 0.038  # from the palm's centre to where the arm is so narrow [m]; docs/hands.md
 SKIN = 0.010  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
 STD, STD_SHAPELESS = 0.010, 0.020  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
 
@@ -120,6 +121,10 @@ def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
     until = np.maximum.accumulate(np.where(back > 0.02, rows, 0.0))
     neck = (until >= PALM) & (rows < NECK * until) & (back >= RANGE[0]) & (back < HAND - 0.01)
     if neck.any():
-        palm = float(back[np.argmax(neck)]) - TO_WRIST
+        first = int(np.argmax(neck))
+        behind = rows[first : first + round(TAPER / CELL)]
+        slim = behind.min() + TAPERED * (until[first] - behind.min())
+        wrist = first + int(np.argmax(behind <= slim))
+        palm = float(back[wrist]) - TO_WRIST
         return float(np.clip(palm, *RANGE)), STD
     return USUAL, STD_SHAPELESS

@@ -12,13 +12,14 @@ from igrip.rgbd import Array
 
 GATE = 0.12  # a piece so near to where a hand should be may be its [m]; guess
 MIN_LENGTH = 0.12  # of an arm over the table [m]; guess
-LONG = 0.25  # an arm that was there from the beginning is so long [m]; guess
-LONG_SLENDER = 2.4  # and so many times as long as broad; guess
+LONG = 0.30  # an arm that was there from the beginning is so long [m]; guess
+LONG_SLENDER = 3.0  # and so many times as long as broad; guess
 SLENDER = 1.7  # times as long as broad, an arm is at least; guess
 HOVERS = 0.03  # what is nowhere lower than that stands on nothing [m]; guess
 LEANS = np.radians([12.0, 60.0])  # over the table: what stands is steeper, what lies less; guess
 NEAR_HAND = 0.12  # from a known hand: what moves there is what the hand moves [m]; guess
 STEP = 0.01  # a hand that moved so far has moved [m]; guess
+UNSURE_STEP = 0.03  # what does not look like an arm has to move so far to be one [m]; guess
 COAST = 0.1  # s for which a hand that is not measured goes on as before
 HELD = 0.4  # s for which an arm that is not measured is remembered
 SAME = 0.06  # arms nearer than that at both ends are one [m]; guess
@@ -98,7 +99,7 @@ class ArmTracker:
         arm.velocity = 0.5 * (arm.velocity + velocity)
         arm.end, arm.t, arm.blob, arm.hits = end, t, blob, arm.hits + 1
         middle = blob.points.mean(axis=0)
-        step = STEP if arm.sure else 2.0 * STEP
+        step = STEP if arm.sure else UNSURE_STEP
         gaps = np.stack([end.palm, end.tip, middle]) - arm.still_at
         if np.linalg.norm(gaps, axis=1).min() > step:  # noise moves one or the other
             arm.still_at = np.stack([end.palm, end.tip, middle])
@@ -119,7 +120,7 @@ class ArmTracker:
         elif blob.appeared and not beside:
             good = sure = length >= MIN_LENGTH
         else:
-            good, sure = length >= MIN_LENGTH, _is_long(blob)
+            good, sure = length >= MIN_LENGTH, _is_long(blob) and not beside
         if not good:
             return None
         still = np.stack([end.palm, end.tip, blob.points.mean(axis=0)])
