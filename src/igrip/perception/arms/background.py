@@ -77,8 +77,8 @@ class Background:
         self._level = np.where(settled, self._candidate, self._level)
 
     def forget(self, where: Mask) -> None:
-        """Take what is there now for no background."""
-        self._level[where] = 0.0
+        """Take what is there now for no background, but for something in front of one."""
+        self._level[where] = np.inf
         self._stays[where] = 0.0
 
 

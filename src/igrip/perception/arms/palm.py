@@ -23,7 +23,7 @@ HAND = 0.24  # length of the end that is looked at: fingers, palm and wrist [m]
 RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long straight fingers [m]
 USUAL = 0.112  # of the palm's centre from the tip, where the shape does not tell [m]; guess
 PALM = 0.022  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
-NECK = 0.75  # a wrist is so many times as broad as a palm, or less; guess
+NECK = 0.78  # a wrist is so many times as broad as a palm, or less; guess
 TAPER, TAPERED = 0.06, 0.25  # within so far [m] the rest of the way to its narrowest; guess
 TO_WRIST = 0.038  # from the palm's centre to where the arm is so narrow [m]; docs/hands.md
 SKIN = 0.010  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
@@ -37,9 +37,12 @@ class ArmEnd(NamedTuple):
     tip: Array  # (3,)
     along: Array  # (3,), unit vector from the arm to the tip
     std: float  # of the palm
+    back: float  # from the tip to the palm, where its shape shows it; else what was usual
 
 
-def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
+def arm_end(
+    points: Array, entry: Array, camera: Array, usual: float = USUAL
+) -> ArmEnd | None:
     """Return where an arm ends; None if too little of it is measured.
 
     Parameters
@@ -50,6 +53,8 @@ def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
         Where it comes in.
     camera : (3,)
         Where the camera is.
+    usual : float
+        From the tip to the palm, where the shape of this arm does not show it [m].
     """
     away = np.linalg.norm(points - entry, axis=1)
     farthest = np.argpartition(away, -max(3, len(away) // 200))[-max(3, len(away) // 200) :]
@@ -61,7 +66,7 @@ def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
     local = (points - tip) @ frame.T  # x back along the arm, y across it, z normal to both
     local = local[(local[:, 0] < HAND) & (np.abs(local[:, 1:]) < 0.5 * HAND).all(axis=1)]
     breadth, low = _half_breadth(local[:, :2])
-    back, std = _palm_distance(breadth, low)
+    back, std = _palm_distance(breadth, low, usual)
     near = np.abs(local[:, 0] - back) < 0.02
     if near.sum() < 8:
         return None
@@ -74,7 +79,7 @@ def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
         across = float(np.median(own[:, 1]))
     palm = tip + np.array([back, across, float(np.median(own[:, 2]))]) @ frame
     ray = (palm - camera) / np.linalg.norm(palm - camera)
-    return ArmEnd(palm + SKIN * ray, tip, -frame[0], std)
+    return ArmEnd(palm + SKIN * ray, tip, -frame[0], std, back)
 
 
 def _frame(end: Array, tip: Array, entry: Array) -> Array:
@@ -109,12 +114,12 @@ def _half_breadth(places: Array) -> tuple[Array, Array]:
     return breadth[:-20], low
 
 
-def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
+def _palm_distance(breadth: Array, low: Array, usual: float) -> tuple[float, float]:
     """Return how far behind the tip the palm's centre is, and its standard deviation [m].
 
     Fingers may be long or bent, but from the palm to the wrist it is always as far: where the arm,
     coming from the tip, first becomes narrower than it was. Where nothing does (a long cuff), the
-    usual distance is taken.
+    usual distance is.
     """
     rows = uniform_filter1d(breadth.max(axis=1), 3)
     back = low[0] + CELL * (np.arange(len(rows)) + 0.5)
@@ -127,4 +132,4 @@ def _palm_distance(breadth: Array, low: Array) -> tuple[float, float]:
         wrist = first + int(np.argmax(behind <= slim))
         palm = float(back[wrist]) - TO_WRIST
         return float(np.clip(palm, *RANGE)), STD
-    return USUAL, STD_SHAPELESS
+    return usual, STD_SHAPELESS

@@ -7,19 +7,21 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from igrip.perception.arms.blobs import Blob, join
-from igrip.perception.arms.palm import HAND, ArmEnd, arm_end
+from igrip.perception.arms.palm import HAND, USUAL, ArmEnd, arm_end
 from igrip.rgbd import Array
 
 GATE = 0.12  # a piece so near to where a hand should be may be its [m]; guess
 MIN_LENGTH = 0.12  # of an arm over the table [m]; guess
 LONG = 0.30  # an arm that was there from the beginning is so long [m]; guess
+LOW = 0.25  # and nowhere higher over the table [m]; guess
 LONG_SLENDER = 3.0  # and so many times as long as broad; guess
 SLENDER = 1.7  # times as long as broad, an arm is at least; guess
+LONG_HAND = 0.18  # what hangs in the air with no edge near is a hand with some of its arm [m]; guess
 HOVERS = 0.03  # what is nowhere lower than that stands on nothing [m]; guess
 LEANS = np.radians([12.0, 60.0])  # over the table: what stands is steeper, what lies less; guess
 NEAR_HAND = 0.12  # from a known hand: what moves there is what the hand moves [m]; guess
 STEP = 0.01  # a hand that moved so far has moved [m]; guess
-UNSURE_STEP = 0.03  # what does not look like an arm has to move so far to be one [m]; guess
+LEARNED = 0.3  # weight of the newest distance from tip to palm; guess
 COAST = 0.1  # s for which a hand that is not measured goes on as before
 HELD = 0.4  # s for which an arm that is not measured is remembered
 SAME = 0.06  # arms nearer than that at both ends are one [m]; guess
@@ -36,9 +38,9 @@ class Arm:
     blob: Blob
     still_since: float  # s
     still_at: Array  # (3, 3): palm, tip and middle at that time
-    sure: bool  # it is an arm by its look; else it has to move first
     moved: bool = False
     hits: int = 1
+    usual: float = USUAL  # from its tip to its palm, as its shape showed it lately [m]
     velocity: Array = field(default_factory=lambda: np.zeros(3))
 
     def predict(self, t: float) -> Array:
@@ -77,7 +79,7 @@ class ArmTracker:
             arm = self._new(t, blob, camera, outside)
             if arm is not None:
                 self.arms.append(arm)
-        return [arm for arm in self.arms if arm.t == t and (arm.sure or arm.moved)]
+        return [arm for arm in self.arms if arm.t == t]
 
     def at_rest(self, arm: Arm, t: float) -> bool:
         """Whether an arm has not moved for so long that it is a thing."""
@@ -89,19 +91,19 @@ class ArmTracker:
             arm.entry = blob.entry
         elif arm.blob.entry is None:  # it hangs in the air: its far end goes along
             arm.entry = arm.entry + arm.velocity * (t - arm.t)
-        end = arm_end(blob.points, arm.entry, camera)
+        end = arm_end(blob.points, arm.entry, camera, arm.usual)
         if end is None:
             return
         dt = max(t - arm.t, 1e-3)
         velocity = (end.palm - arm.end.palm) / dt
         speed = float(np.linalg.norm(velocity))
         velocity *= min(1.0, MAX_SPEED / max(speed, 1e-9))
+        arm.usual += LEARNED * (end.back - arm.usual)
         arm.velocity = 0.5 * (arm.velocity + velocity)
         arm.end, arm.t, arm.blob, arm.hits = end, t, blob, arm.hits + 1
         middle = blob.points.mean(axis=0)
-        step = STEP if arm.sure else UNSURE_STEP
         gaps = np.stack([end.palm, end.tip, middle]) - arm.still_at
-        if np.linalg.norm(gaps, axis=1).min() > step:  # noise moves one or the other
+        if np.linalg.norm(gaps, axis=1).min() > STEP:  # noise moves one or the other
             arm.still_at = np.stack([end.palm, end.tip, middle])
             arm.still_since, arm.moved = t, True
 
@@ -115,16 +117,15 @@ class ArmTracker:
         length = float(np.linalg.norm(end.tip - entry))
         beside = any(_gap(blob, arm.end) < NEAR_HAND for arm in self.arms if arm.moved)
         if blob.entry is None:
-            good = not beside and length >= HAND and _is_airborne(blob, length)
-            sure = blob.appeared
+            good = blob.appeared and not beside and length >= LONG_HAND and _is_airborne(blob, length)
         elif blob.appeared and not beside:
-            good = sure = length >= MIN_LENGTH
+            good = length >= MIN_LENGTH
         else:
-            good, sure = length >= MIN_LENGTH, _is_long(blob) and not beside
+            good = not beside and _is_long(blob)
         if not good:
             return None
         still = np.stack([end.palm, end.tip, blob.points.mean(axis=0)])
-        return Arm(entry, end, t, blob, t, still, sure)
+        return Arm(entry, end, t, blob, t, still)
 
     def _drop_doubles(self) -> None:
         kept: list[Arm] = []
@@ -191,6 +192,8 @@ def _is_long(blob: Blob) -> bool:
     flat = blob.points * [1.0, 1.0, 0.0]
     spread, axes = _axes(flat)
     length = float(np.ptp(np.percentile(flat @ axes[0], [1.0, 99.0])))
+    if np.percentile(blob.points[:, 2], 95.0) > LOW:
+        return False
     return bool(length >= LONG and length > LONG_SLENDER * np.sqrt(12.0) * spread[1])
 
 
