@@ -23,7 +23,8 @@ HAND = 0.24  # length of the end that is looked at: fingers, palm and wrist [m]
 RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long straight fingers [m]
 USUAL = 0.112  # of the palm's centre from the tip, where the shape does not tell [m]; guess
 PALM = 0.022  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
-NECK = 0.78  # a wrist is so many times as broad as a palm, or less; guess
+NECK = 0.82  # where a palm ends it is so many times as broad as it was; guess
+WRIST = 0.78  # and a wrist, behind it, at most; a cuff is broader; guess
 TAPER, TAPERED = 0.06, 0.25  # within so far [m] the rest of the way to its narrowest; guess
 TO_WRIST = 0.038  # from the palm's centre to where the arm is so narrow [m]; docs/hands.md
 SKIN = 0.010  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
@@ -128,8 +129,8 @@ def _palm_distance(breadth: Array, low: Array, usual: float) -> tuple[float, flo
     if neck.any():
         first = int(np.argmax(neck))
         behind = rows[first : first + round(TAPER / CELL)]
-        slim = behind.min() + TAPERED * (until[first] - behind.min())
-        wrist = first + int(np.argmax(behind <= slim))
-        palm = float(back[wrist]) - TO_WRIST
-        return float(np.clip(palm, *RANGE)), STD
+        if behind.min() < WRIST * until[first]:
+            slim = behind.min() + TAPERED * (until[first] - behind.min())
+            wrist = first + int(np.argmax(behind <= slim))
+            return float(np.clip(back[wrist] - TO_WRIST, *RANGE)), STD
     return usual, STD_SHAPELESS
