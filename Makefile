@@ -10,7 +10,7 @@ REACHES ?= ../shared/data/wispinski2021
 SHARED ?= ../shared/data
 
 .PHONY: help demo test test-slow test-busy coverage lint types contract unit hooks dist lines \
-	docs gallery commands schemas system clean bench pictures report golden train estimators
+	docs gallery notebooks benchmark commands schemas system clean bench pictures report golden train estimators
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
@@ -67,7 +67,7 @@ clean:  ## remove the environment
 $(READY): pyproject.toml constraints.txt requirements-test.txt
 	$(PYTHON) -c 'import sys; sys.exit("igrip needs Python 3.11 or newer, this is %s: make PYTHON=python3.11 ..." % sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv .venv
-	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs,devices,benchmark,cluster]'
+	$(PIP) install --constraint constraints.txt --requirement requirements-test.txt --editable '.[viewer,tables,report,tune,bench,training,outputs,ros2,mcap,hands,poses,meshes,docs,devices,benchmark,cluster,notebooks]'
 	$(PIP) install --no-deps --constraint constraints.txt ability-hand nml-hand-exo
 	# ROS 2 has no wheels for some machines and versions of Python: its tests are skipped there
 	-$(PIP) install --constraint constraints.txt --editable '.[ros]'
@@ -75,6 +75,14 @@ $(READY): pyproject.toml constraints.txt requirements-test.txt
 
 bench: $(READY)  ## measure the speed beside other engines; the picture of docs/benchmarks.md
 	$(BIN)/python -m benchmarks --memory-frames 200000 --plot docs/pictures/bench.png
+
+notebooks: $(READY)  ## run the notebooks and keep what they show
+	$(BIN)/python docs/make_notebooks.py
+
+benchmark: $(READY)  ## the table of docs/benchmark.md (half an hour); REACHES=FOLDER
+	test -d build/four-people || $(BIN)/igrip simulate build/four-people --participants 4 --trials 32 --no-reach 8 --seed 12
+	$(BIN)/igrip benchmark near_far=$(REACHES) simulated=build/four-people --out build/judged
+	cp build/judged/table.md docs/output/benchmark.txt
 
 pictures: $(READY)  ## draw the pictures of the documentation (after make system)
 	$(BIN)/python docs/make_pictures.py

@@ -36,6 +36,7 @@ def peer(*arguments):
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     said = queue.Queue()
+    passed_over = []  # what it said under other keys: topics overtake each other
 
     def read():
         for line in process.stdout:
@@ -46,6 +47,9 @@ def peer(*arguments):
 
     def hear(key, wait=None):
         """Return the next value of a key; None if it must not be waited for and is not there."""
+        for k, one in enumerate(passed_over):
+            if key in one:
+                return passed_over.pop(k)[key]
         while True:
             try:
                 one = said.get(timeout=wait or PATIENCE)
@@ -55,6 +59,7 @@ def peer(*arguments):
                 return None
             if key in one:
                 return one[key]
+            passed_over.append(one)
 
     try:
         hear("ready")

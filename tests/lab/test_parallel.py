@@ -12,7 +12,9 @@ from igrip import Config, load_objects
 from igrip.lab import parallel
 from igrip.lab.evaluation.runner import run_trials
 from igrip.lab.evaluation.trial_rows import score_run
-from igrip.lab.parallel import ClusterError, Workers, count_jobs
+from igrip.lab.parallel import ALONE, ClusterError, Workers, count_jobs
+from igrip.lab.simulation.cohort import simulate_cohort
+from igrip.lab.simulation.parameters import cohort_parameters
 from runtime_fakes import PATIENCE, until
 
 
@@ -133,6 +135,16 @@ def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(small_dataset, 
     found += together
     assert json.dumps(found) == json.dumps(alone)
     assert len(pages) == 1
+
+
+def test_a_cluster_simulates_the_same_people(ycb, cluster, tmp_path):
+    written = []
+    for workers in (ALONE, Workers(scheduler=cluster[0])):
+        folder = tmp_path / str(len(written))
+        list(simulate_cohort(folder, ycb, cohort_parameters(), 1, 0, 3, 1, workers))
+        written.append({path.relative_to(folder): path.read_bytes()
+                        for path in sorted(folder.rglob("*")) if path.is_file()})  # fmt: skip
+    assert written[0] == written[1]
 
 
 def test_an_error_of_the_work_reaches_the_caller(cluster):

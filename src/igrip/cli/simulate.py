@@ -8,11 +8,20 @@ from typing import Annotated
 import typer
 
 from igrip.cli import options
-from igrip.cli.console import NOT_KEPT, interruptible, output, print_json, progress
+from igrip.cli.console import (
+    cluster_page,
+    interruptible,
+    output,
+    print_json,
+    progress,
+)
 from igrip.cli.outputs import folder_option
+from igrip.lab.parallel import Workers
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import PROFILES, checksum, cohort_parameters
 from igrip.objects.catalog import load_objects
+
+KEPT = "what is done is kept; the same command goes on from there"
 
 
 def simulate(
@@ -29,9 +38,13 @@ def simulate(
     no_reach: Annotated[
         int, typer.Option(help="Minutes without a reach, one recording each.", min=0)
     ] = 30,
+    jobs: options.Jobs = 0,
+    scheduler: options.Scheduler = None,
     as_json: options.Json = False,
 ) -> None:
     """Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.
+
+    An interrupted simulation continues where it stopped when the command is run again.
 
     Every effect size and its source are listed in igrip/lab/simulation/parameters.py.
 
@@ -39,9 +52,16 @@ def simulate(
     """
     parameters, catalog = cohort_parameters(profile), load_objects("ycb")
     done = 0
-    with interruptible(NOT_KEPT), progress(f"simulating {out.name}") as update:
+    with interruptible(KEPT), progress(f"simulating {out.name}") as update:
         for done, total in simulate_cohort(
-            out, catalog, parameters, participants, seed, trials or None, no_reach
+            out,
+            catalog,
+            parameters,
+            participants,
+            seed,
+            trials or None,
+            no_reach,
+            Workers(jobs, scheduler, cluster_page),
         ):
             update(completed=done, total=total)
     summary = {"recordings": done, "participants": participants, "profile": profile, "seed": seed,

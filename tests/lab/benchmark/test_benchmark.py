@@ -1,7 +1,9 @@
 """The benchmark: entries of every kind agree, splits are fixed, numbers are those of the rows."""
 
 import json
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from igrip import Config, Estimator, Observation, load_objects
 from igrip.errors import UnknownNameError
 from igrip.intention import Commitment, Intention
 from igrip.io.datasets.dataset import Trial
+from igrip.lab.benchmark import run as run_module
 from igrip.lab.benchmark.entries import Answers, EntryError, parse_entry
 from igrip.lab.benchmark.run import run_entry
 from igrip.lab.benchmark.score import score_recording
@@ -85,14 +88,26 @@ def test_entries_of_every_kind_give_the_same_numbers(judged, here):
     assert all(row["success"] for row in found[0])
 
 
-def test_what_is_done_is_not_done_again(judged, here):
+def test_what_is_done_is_not_done_again_unless_the_entry_changed(judged, here, monkeypatch):
     first = rows_of("mine=my_entry:Mine", judged, here)
-    (here / "my_entry.py").write_text("raise SystemExit")
-    assert rows_of("mine=my_entry:Mine", judged, here) == first
-    path = next(here.glob("rows-*.jsonl"))
+    path = here / "rows-small-mine.jsonl"
     path.write_text(path.read_text()[:-40])  # cut short
+    asked = []
+    answer = run_module._answer
+
+    def note(entry, dataset, catalog, trial):
+        asked.append(trial.recording)
+        return answer(entry, dataset, catalog, trial)
+
+    monkeypatch.setattr(run_module, "_answer", note)
     again = rows_of("mine=my_entry:Mine", judged, here)
     assert [row["success"] for row in again] == [row["success"] for row in first]
+    assert asked == [judged.trials[-1].recording]
+    assert rows_of("mine=my_entry:Mine", judged, here) == again
+    assert len(asked) == 1
+    (here / "my_entry.py").write_text(MODULE + "# changed\n")
+    rows_of("mine=my_entry:Mine", judged, here)
+    assert len(asked) == 1 + len(judged.trials)
 
 
 @pytest.mark.parametrize(("text", "words"), [
@@ -121,6 +136,17 @@ def test_a_misspelt_estimator_gets_a_suggestion():
 def test_an_entry_that_fails_is_named(judged, here, text, words):
     with pytest.raises(EntryError, match=words):
         rows_of(text, judged, here)
+
+
+def test_the_entry_of_the_page_enters_as_it_stands(judged, here):
+    page = (Path(__file__).parents[3] / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+    assert len(code.strip().splitlines()) <= 20 + 5  # 20 lines beside imports and blank ones
+    (here / "my_entry.py").write_text(code)
+    rows = rows_of("mine=my_entry:Nearest", judged, here)
+    nearest = rows_of("nearest", judged, here)
+    assert [row["success"] for row in rows] == [row["success"] for row in nearest]
+    assert all(sum(row["calibration_n"]) for row in rows)
 
 
 def test_the_same_people_are_judged_for_good():

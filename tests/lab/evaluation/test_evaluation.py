@@ -44,7 +44,7 @@ def run(path, out, jobs=1, targets=TARGETS):
     opened = Dataset.open(path, lenient=True)
     evaluation = Evaluation(opened, [Config(targets=t) for t in targets], out)
     steps = list(evaluation.run(opened.trials, Workers(jobs)))
-    return evaluation.rows, steps
+    return list(evaluation.rows), steps
 
 
 def edit(path, change):
@@ -126,7 +126,7 @@ def test_part_of_a_larger_run_is_reported_alone(dataset, tmp_path):
     opened = Dataset.open(dataset)
     part = Evaluation(opened, [Config(targets=t) for t in TARGETS], tmp_path / "out")
     assert list(part.run([opened.trials[4], opened.trials[3]], Workers())) == [2]
-    assert [row["recording"] for row in part.rows[::2]] == [
+    assert [row["recording"] for row in list(part.rows)[::2]] == [
         trial.recording for trial in opened.trials[3:5]
     ]
 

@@ -10,6 +10,7 @@ from igrip.io.datasets.dataset import Dataset
 from igrip.io.recordings.jsonl import JsonlReader
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.lab.evaluation.trial_description import describe_trial
+from igrip.lab.parallel import ALONE, Workers
 from igrip.lab.simulation.cohort import rest_points, simulate_cohort, tasks_of
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
 from igrip.lab.simulation.parameters import ProtocolParameters, checksum, cohort_parameters
@@ -60,7 +61,8 @@ def test_rows_of_the_table(small):
     assert {t.movement for t in small.trials if t.target == "none"} == set(KINDS)
 
 
-def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path):
+@pytest.mark.parametrize("workers", [ALONE, Workers(2)], ids=["alone", "two processes"])
+def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path, workers):
     list(
         simulate_cohort(
             tmp_path / "again",
@@ -69,11 +71,46 @@ def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path):
             participants=3,
             trials=12,
             no_reach_minutes=4,
+            workers=workers,
         )
     )
+    assert Dataset.open(tmp_path / "again").trials == small.trials
     for trial in small.trials:
         again = Dataset.open(tmp_path / "again").recording(trial)
         assert again.read_bytes() == small.recording(trial).read_bytes()
+
+
+@pytest.mark.parametrize("after", [1, 2, 7])
+def test_an_interrupted_simulation_goes_on(ycb, tmp_path, monkeypatch, after):
+    def simulated(path, trials=4):
+        return simulate_cohort(path, ycb, cohort_parameters(), 2, 0, trials, 2)
+
+    list(simulated(tmp_path / "whole"))
+    begun = simulated(tmp_path / "cut")
+    for _ in range(after):
+        next(begun)
+    with pytest.raises(DatasetError, match="another process writes it"):
+        next(simulated(tmp_path / "cut"))
+    begun.close()
+    (tmp_path / ".cut-unfinished" / "recordings" / "p02_t004_right.jsonl").write_text("half a l")
+    assert next(simulated(tmp_path / "cut")) == (after, 18)
+    steps = list(simulated(tmp_path / "cut"))
+    assert steps == [(k, 18) for k in range(after, 19)]
+    whole, cut = (
+        {path.relative_to(tmp_path / name): path.read_bytes()
+         for path in sorted((tmp_path / name).rglob("*")) if path.is_file()}
+        for name in ("whole", "cut")
+    )  # fmt: skip
+    assert cut == whole
+    assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
+
+
+def test_an_unfinished_simulation_of_something_else_is_forgotten(ycb, tmp_path):
+    for seed in (1, 0):
+        begun = simulate_cohort(tmp_path / "cut", ycb, cohort_parameters(), 1, seed, 2, 0)
+        assert next(begun) == (1, 4)
+        begun.close()
+    assert next(simulate_cohort(tmp_path / "cut", ycb, cohort_parameters(), 1, 0, 1, 0)) == (1, 2)
 
 
 def test_another_participant_count_keeps_the_people(small, ycb, tmp_path):

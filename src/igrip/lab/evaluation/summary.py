@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -26,9 +26,16 @@ ANGLES = (0.0, 10.0, 20.0, 40.0, 180.0)  # edges of the bins of the angular gap 
 DEPTHS = (-np.inf, -0.1, 0.0, 0.1, np.inf)  # of the depth gap [m]
 
 
-def frame_of(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return rows as a table."""
-    frame = pd.DataFrame(list(rows))
+def frame_of(rows: Iterable[dict[str, Any]]) -> pd.DataFrame:
+    """Return rows as a table, with None where a row lacks a column that others have."""
+    columns: dict[str, list[Any]] = {}
+    for k, row in enumerate(rows):  # column by column: a dict for each row takes five times more
+        for name, value in row.items():
+            values = columns.setdefault(name, [])
+            values += [None] * (k - len(values))
+            values.append(value)
+    height = max(map(len, columns.values()), default=0)
+    frame = pd.DataFrame({n: v + [None] * (height - len(v)) for n, v in columns.items()})
     for column in COLUMNS:
         if column not in frame:
             frame[column] = None

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
-from itertools import chain, product
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache, partial
+from itertools import accumulate, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from igrip.errors import DatasetError
-from igrip.io.datasets.dataset import DatasetWriter, Trial
+from igrip.io.datasets.dataset import Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.lab.evaluation.movement import movement_bounds
+from igrip.lab.parallel import ALONE, Workers, count_jobs
 from igrip.lab.simulation.minimum_jerk import Array
 from igrip.lab.simulation.movement import Habits, draw_habits, draw_reach, sway, tremor
 from igrip.lab.simulation.no_reach import KINDS, draw_no_reach
@@ -22,6 +26,7 @@ from igrip.lab.simulation.table import Table, models_by_id, object_ids, set_tabl
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
+from igrip.version import __version__
 
 SIDES = ("left", "right")
 FINE = 200.0  # Hz of the true trace in which onset and end are found
@@ -122,11 +127,13 @@ def simulate_cohort(
     seed: int = 0,
     trials: int | None = None,
     no_reach_minutes: int = 30,
+    workers: Workers = ALONE,
 ) -> Iterator[tuple[int, int]]:
     """Write a cohort to a new folder; yield how many recordings are done, and of how many.
 
     The catalog must hold the paper's objects. Only the first so many ``trials`` of each participant
-    are done; each of the minutes without a reach is one recording.
+    are done; each of the minutes without a reach is one recording. What is written does not depend
+    on the ``workers``.
 
     Raises
     ------
@@ -143,16 +150,47 @@ def simulate_cohort(
     )
     details: dict[str, Any] = {"objects": ["ycb"], "simulated": parameters.model_dump(mode="json")}
     name = f"simulated {parameters.profile}"
-    with DatasetWriter(path, name, "CC0-1.0", source, **details) as writer:
-        total = sum(2 * len(person.tasks) for person in people) + no_reach_minutes
-        recordings = chain(
-            (recording for person in people for recording in person.record_trials(models)),
-            (people[k % participants].record_no_reach(k, models) for k in range(no_reach_minutes)),
-        )
-        for done, (row, messages) in enumerate(recordings, start=1):
-            writer.add(row, messages)
+    scenes = [(p, number) for p, person in enumerate(people) for number in range(len(person.tasks))]
+    scenes += [(k % participants, ~k) for k in range(no_reach_minutes)]  # without a reach
+    # how many recordings there are after each scene
+    until = list(accumulate(len(SIDES) if number >= 0 else 1 for _, number in scenes))
+    total = until[-1] if until else 0
+    resume = f"{__version__}, {trials} trials, {total} recordings"
+    with DatasetWriter(path, name, "CC0-1.0", source, resume, **details) as writer:
+        done = len(writer.trials)  # an interrupted simulation goes on
+        if done:
             yield done, total
+        begin = bisect_right(until, done)
+        half = done - until[begin - 1] if begin else done  # of a scene that was interrupted
+        work = partial(_record, parameters, seed, trials, dict(models))
+        shared = replace(workers, jobs=count_jobs(workers.jobs, len(scenes) - begin))
+        for scene in shared.map(work, scenes[begin:]):
+            for row, messages in scene[half:]:
+                writer.add(row, messages)
+                done += 1
+                yield done, total
+            half = 0
         writer.close({person.name: {"profile": parameters.profile} for person in people})
+
+
+Recordings = list[tuple[Trial, list[Observation]]]
+
+
+def _record(
+    parameters: CohortParameters, seed: int, trials: int | None, models: Mapping[str, ObjectModel],
+    scene: tuple[int, int],
+) -> Recordings:  # fmt: skip
+    """Return the recordings of one scene: person, and trial or, inverted, minute."""
+    person, number = scene
+    participant = _participant(parameters.model_dump_json(), person, seed, trials)
+    if number < 0:
+        return [participant.record_no_reach(~number, models)]
+    return participant.record_trial(number, models)
+
+
+@lru_cache(maxsize=8)
+def _participant(parameters: str, number: int, seed: int, trials: int | None) -> Participant:
+    return Participant(CohortParameters.model_validate_json(parameters), number, seed, trials)
 
 
 class Participant:
@@ -172,25 +210,25 @@ class Participant:
         self.tasks = tasks_of(parameters.protocol, random)[:trials]
         self._cameras = {side: place_camera(parameters.camera, side, random) for side in SIDES}
 
-    def record_trials(
-        self, models: Mapping[str, ObjectModel]
-    ) -> Iterator[tuple[Trial, list[Observation]]]:
-        """Yield row and messages of each trial, as each camera observes it."""
-        for number, task in enumerate(self.tasks, start=1):
-            random = np.random.default_rng([*self._seed, 1, number])
-            done = perform(task, self._parameters, self._habits, models, random)
-            onset, end = done.bounds
-            for c, side in enumerate(SIDES):
-                messages = observe_scene(
-                    done.times, done.palms, done.table, self._cameras[side],
-                    self._parameters.camera, np.random.default_rng([*self._seed, 2, number, c]),
-                )  # fmt: skip
-                row = Trial(
-                    recording=f"{self.name}_t{number:03d}_{side}", participant=self.name,
-                    trial=str(number), camera=f"camera_{side}", camera_side=side,
-                    **asdict(task), onset_s=round(onset, 4), end_s=round(end, 4), performed="yes",
-                )  # fmt: skip
-                yield row, messages
+    def record_trial(self, index: int, models: Mapping[str, ObjectModel]) -> Recordings:
+        """Return row and messages of a trial (from 0), as each camera observes it."""
+        number, task = index + 1, self.tasks[index]
+        random = np.random.default_rng([*self._seed, 1, number])
+        done = perform(task, self._parameters, self._habits, models, random)
+        onset, end = done.bounds
+        recordings: Recordings = []
+        for c, side in enumerate(SIDES):
+            messages = observe_scene(
+                done.times, done.palms, done.table, self._cameras[side], self._parameters.camera,
+                np.random.default_rng([*self._seed, 2, number, c]),
+            )  # fmt: skip
+            row = Trial(
+                recording=f"{self.name}_t{number:03d}_{side}", participant=self.name,
+                trial=str(number), camera=f"camera_{side}", camera_side=side,
+                **asdict(task), onset_s=round(onset, 4), end_s=round(end, 4), performed="yes",
+            )  # fmt: skip
+            recordings.append((row, messages))
+        return recordings
 
     def record_no_reach(
         self, minute: int, models: Mapping[str, ObjectModel]

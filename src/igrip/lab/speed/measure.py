@@ -149,11 +149,11 @@ def memory(catalog: Catalog, frames: int) -> dict[str, Any]:
         message = base[k]
         estimator.update(Observation(message.t + lap * length, message.hands, message.objects))
         if number in (frames // 2, frames - 1):
-            sizes.append(_resident())
+            sizes.append(resident_memory())
     return {"frames": frames, "growth_mb": sizes[-1] - sizes[0], "resident_mb": sizes[-1]}
 
 
-def _resident() -> float:
+def resident_memory() -> float:
     """Return the resident size of this process [MB]; its peak on systems without ``/proc``."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:
