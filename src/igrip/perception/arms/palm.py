@@ -24,10 +24,13 @@ RANGE = (0.045, 0.165)  # of the palm's centre from the tip: fist and long strai
 USUAL = 0.112  # of the palm's centre from the tip, where the shape does not tell [m]; guess
 PALM = 0.022  # what is nowhere broader than twice that shows no palm: a hook, for one [m]; guess
 NECK = 0.82  # where a palm ends it is so many times as broad as it was; guess
-WRIST = 0.78  # and a wrist, behind it, at most; a cuff is broader; guess
-TAPER, TAPERED = 0.06, 0.25  # within so far [m] the rest of the way to its narrowest; guess
-TO_WRIST = 0.038  # from the palm's centre to where the arm is so narrow [m]; docs/hands.md
+NEAR_NECK = 0.88  # the same before a cuff; guess
+WRIST = 0.72  # and a wrist, behind it, at most; a cuff is broader; guess
+TAPER, TAPERED = 0.04, 0.25  # within so far [m] the rest of the way to its narrowest; guess
+TO_WRIST = 0.043  # from the palm's centre to where the arm is so narrow [m]; docs/hands.md
 SKIN = 0.010  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
+CUFF = 1.08  # a cuff is so many times as broad as the wrist before it, at least; guess
+CUFFED, TO_CUFF = (0.07, 0.17), 0.022  # where that wrist may be, and from it to the palm [m]; guess
 STD, STD_SHAPELESS = 0.010, 0.020  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
 
 
@@ -41,9 +44,7 @@ class ArmEnd(NamedTuple):
     back: float  # from the tip to the palm, where its shape shows it; else what was usual
 
 
-def arm_end(
-    points: Array, entry: Array, camera: Array, usual: float = USUAL
-) -> ArmEnd | None:
+def arm_end(points: Array, entry: Array, camera: Array, usual: float = USUAL) -> ArmEnd | None:
     """Return where an arm ends; None if too little of it is measured.
 
     Parameters
@@ -110,7 +111,7 @@ def _half_breadth(places: Array) -> tuple[Array, Array]:
     grid[-1] = grid[-3:].any(axis=0)
     # the arm goes on where it is cut off
     grid = np.pad(np.pad(grid, ((0, 20), (0, 0)), mode="edge"), ((0, 0), (0, 3)))
-    grid = binary_fill_holes(binary_closing(grid, SQUARE, iterations=2))
+    grid = binary_fill_holes(binary_closing(grid, SQUARE, iterations=3))
     breadth: Array = CELL * distance_transform_edt(grid)
     return breadth[:-20], low
 
@@ -133,4 +134,12 @@ def _palm_distance(breadth: Array, low: Array, usual: float) -> tuple[float, flo
             slim = behind.min() + TAPERED * (until[first] - behind.min())
             wrist = first + int(np.argmax(behind <= slim))
             return float(np.clip(back[wrist] - TO_WRIST, *RANGE)), STD
+    inside = np.flatnonzero((back >= CUFFED[0]) & (back <= CUFFED[1]))
+    if len(inside):  # a cuff or a splint begins behind a wrist that is hardly narrower
+        low_rows = rows[inside] <= rows[inside].min() + 1e-3
+        least = int(inside[len(inside) - 1 - np.argmax(low_rows[::-1])])
+        later = rows[least : least + round(2 * TAPER / CELL)].max()
+        if until[least] >= PALM and rows[least] < min(NEAR_NECK * until[least], later / CUFF):
+            middle = float(back[inside][low_rows].mean())
+            return float(np.clip(middle - TO_CUFF, *RANGE)), 0.5 * (STD + STD_SHAPELESS)
     return usual, STD_SHAPELESS

@@ -16,7 +16,9 @@ LONG = 0.30  # an arm that was there from the beginning is so long [m]; guess
 LOW = 0.25  # and nowhere higher over the table [m]; guess
 LONG_SLENDER = 3.0  # and so many times as long as broad; guess
 SLENDER = 1.7  # times as long as broad, an arm is at least; guess
-LONG_HAND = 0.18  # what hangs in the air with no edge near is a hand with some of its arm [m]; guess
+LONG_HAND = (
+    0.18  # what hangs in the air with no edge near is a hand with some of its arm [m]; guess
+)
 HOVERS = 0.03  # what is nowhere lower than that stands on nothing [m]; guess
 LEANS = np.radians([12.0, 60.0])  # over the table: what stands is steeper, what lies less; guess
 NEAR_HAND = 0.12  # from a known hand: what moves there is what the hand moves [m]; guess
@@ -117,7 +119,9 @@ class ArmTracker:
         length = float(np.linalg.norm(end.tip - entry))
         beside = any(_gap(blob, arm.end) < NEAR_HAND for arm in self.arms if arm.moved)
         if blob.entry is None:
-            good = blob.appeared and not beside and length >= LONG_HAND and _is_airborne(blob, length)
+            good = (
+                blob.appeared and not beside and length >= LONG_HAND and _is_airborne(blob, length)
+            )
         elif blob.appeared and not beside:
             good = length >= MIN_LENGTH
         else:
