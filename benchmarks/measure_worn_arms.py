@@ -1,8 +1,8 @@
 """Measure hands by depth on rendered arms that wear something.
 
 ``python -m benchmarks.measure_worn_arms`` prints the table of docs/hands.md: of each kind of arm,
-before cameras at three places, how often the palm is measured, and how far off. With ``--film FILE``
-also on hands cut out of a film and put, painted over, before a table that is moved about.
+before cameras at three places, how often the palm is measured, and how far off. With
+``--film FILE`` also on hands cut out of a film and put, painted over, before a table that is moved about.
 """
 
 from __future__ import annotations
