@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.measure_worn_arms`` prints the table of docs/hands.md: of each kind of arm,
 before cameras at three places, how often the palm is measured, and how far off. With
-``--film FILE`` also on hands cut out of a film and put, painted over, before a table that is moved about.
+``--film FILE`` also on hands cut out of a film and put, painted over, before a table.
 """
 
 from __future__ import annotations

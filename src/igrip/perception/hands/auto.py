@@ -9,7 +9,7 @@ from igrip.errors import IgripError, MissingExtraError
 from igrip.perception.hands import HANDS, HandDetection, HandDetector, new_detector
 from igrip.perception.hands._fusion import fuse
 from igrip.perception.hands._options import hand_options
-from igrip.perception.palms import measure_palm
+from igrip.perception.hands._palms import measure_palm
 from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings
 
