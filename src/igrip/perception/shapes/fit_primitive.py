@@ -1,0 +1,128 @@
+"""Which simple shape explains a segment best: each is drawn into the depth picture and compared.
+
+What would be seen through counts against a shape, and so does what it leaves unexplained: the
+outline is fitted together with the surface. What something nearer covers counts for nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from igrip.perception.registration.view import DepthView
+from igrip.perception.registration.visibility import local_depths
+from igrip.perception.shapes.primitives import PRIMITIVES, Primitive, Rays
+from igrip.perception.shapes.segments import Segment
+from igrip.rgbd import Array
+
+SAMPLES = 700  # pixels that are compared
+AROUND = 0.35  # of a segment's size is looked at beside it
+HOLLOW = 0.7  # weight of what is measured behind a shape within the thing's outline: it is open
+FIRST_EVALUATIONS, EVALUATIONS = 80, 240  # of each shape, and of the finalists
+FINALISTS = 3
+MIN_EXPLAINED = 3.0  # times the tolerance at which a pixel counts as wholly wrong
+
+
+class Evidence(NamedTuple):
+    """Pixels in and about a segment."""
+
+    rays: Rays
+    depths: Array  # (m,), measured along the optical axis [m]; 0: not
+    own: NDArray[np.bool_]  # (m,), of the segment
+    weights: Array  # (m,), 0 where a hand is in front
+    limits: Array  # (m,), within which a measurement fits [m]
+
+
+class ShapeFit(NamedTuple):
+    """A simple shape in the frame of the table."""
+
+    kind: str
+    primitive: Primitive
+    parameters: Array
+    misfit: float  # 0: every pixel is explained; 1: none
+    std: float  # of its middle [m]
+
+
+def evidence_of(segment: Segment, depth: NDArray[np.float32], view: DepthView) -> Evidence:
+    """Return some hundred pixels in and about a segment; ``depth`` (h, w) is averaged [m]."""
+    height, width = depth.shape
+    low, high = segment.pixels.min(axis=0), segment.pixels.max(axis=0)
+    margin = np.maximum(8, AROUND * (high - low)).astype(int)
+    low, high = np.maximum(low - margin, 0), np.minimum(high + margin, (width - 1, height - 1))
+    area = float(np.prod(high - low + 1))
+    # the grid of the segment's own pixels is a multiple of their stride
+    stride = 2 * max(1, round(0.5 * float(np.sqrt(area / SAMPLES))))
+    low -= low % stride
+    u, v = np.meshgrid(
+        np.arange(low[0], high[0] + 1, stride), np.arange(low[1], high[1] + 1, stride)
+    )
+    u, v = u.ravel(), v.ravel()
+    smooth = np.zeros(tuple(-(-n // 2) for n in depth.shape))
+    local_depths(depth, 2, 0.05, 10.0, smooth)
+    measured = smooth[v // 2, u // 2]
+    mine = np.zeros(smooth.shape, dtype=np.bool_)
+    mine[segment.pixels[:, 1] // 2, segment.pixels[:, 0] // 2] = True
+    pixels = np.stack([u, v], axis=1).astype(np.float64)
+    ahead = view.intrinsics.points(pixels, np.ones(len(u)))
+    rays = Rays(view.table_from_camera[:3, 3], ahead @ view.table_from_camera[:3, :3].T)
+    typical = np.where(measured > 0.0, measured, np.median(measured[measured > 0.0]))
+    return Evidence(
+        rays, measured, mine[v // 2, u // 2], (view.mask[v, u] == 0).astype(np.float64),
+        view.tolerance + 2.5 * view.noise * typical**2,
+    )  # fmt: skip
+
+
+def misfit(primitive: Primitive, parameters: Array, evidence: Evidence) -> float:
+    """Return how much of the evidence contradicts a shape, in shares of the segment."""
+    predicted = primitive.depths(parameters, evidence.rays)
+    hit = np.isfinite(predicted)
+    known = evidence.depths > 0.0
+    gap = np.where(hit & known, evidence.depths - np.where(hit, predicted, 0.0), 0.0)
+    wrong = np.minimum((gap / (MIN_EXPLAINED * evidence.limits)) ** 2, 1.0)
+    wrong = np.where(evidence.own, np.where(gap > evidence.limits, HOLLOW * wrong, wrong), wrong)
+    wrong = np.where(~evidence.own & (gap < 0.0), 0.0, wrong)  # something else is in front
+    # seen through: wrong at once, whatever the distance behind
+    wrong = np.where(~evidence.own & (gap > evidence.limits), 1.0, wrong)
+    wrong = np.where(evidence.own & ~hit, 1.0, wrong)
+    weights = evidence.weights
+    return float((weights * wrong).sum() / max((weights * evidence.own).sum(), 1.0))
+
+
+def fit_shapes(
+    segment: Segment, evidence: Evidence, kinds: Sequence[str] | None = None
+) -> ShapeFit:
+    """Return the shape that explains a segment best, of all kinds or of those named."""
+    fits = []
+    for kind in kinds or PRIMITIVES.names():
+        primitive = PRIMITIVES.get(kind)()
+        start = primitive.start(segment.footprint)
+        fits.append(_fit(kind, primitive, start, evidence, FIRST_EVALUATIONS))
+    fits.sort(key=_cost)
+    best = [
+        _fit(fit.kind, fit.primitive, fit.parameters, evidence, EVALUATIONS)
+        for fit in fits[:FINALISTS]
+    ]
+    return min(best, key=_cost)
+
+
+def _cost(fit: ShapeFit) -> float:
+    return fit.misfit + fit.primitive.cost
+
+
+def _fit(
+    kind: str, primitive: Primitive, start: Array, evidence: Evidence, evaluations: int
+) -> ShapeFit:
+    """Change the parameters until the misfit is least (Nelder & Mead 1965)."""
+    simplex = np.vstack([start, start + np.diag(primitive.steps)])
+    result = minimize(
+        lambda parameters: misfit(primitive, parameters, evidence), start, method="Nelder-Mead",
+        options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 2e-4, "fatol": 1e-4},
+    )  # fmt: skip
+    spread = np.abs(result.final_simplex[0] - result.x).max(axis=0)[:2]
+    typical = float(np.median(evidence.limits))
+    std = float(np.hypot(0.002, typical * np.sqrt(result.fun)) + spread.max())
+    return ShapeFit(kind, primitive, np.asarray(result.x), float(result.fun), std)
