@@ -19,11 +19,11 @@ from igrip.perception.shapes.primitives import PRIMITIVES, Primitive, Rays
 from igrip.perception.shapes.segments import Segment
 from igrip.rgbd import Array
 
-SAMPLES = 700  # pixels that are compared
+SAMPLES = 500  # pixels that are compared
 AROUND = 0.35  # of a segment's size is looked at beside it
 HOLLOW = 0.7  # weight of what is measured behind a shape within the thing's outline: it is open
 FIRST_EVALUATIONS, EVALUATIONS = 80, 240  # of each shape, and of the finalists
-FINALISTS = 3
+FINALISTS, NOT_FAR = 3, 0.15  # so many go on, unless they are so much worse
 MIN_EXPLAINED = 3.0  # times the tolerance at which a pixel counts as wholly wrong
 
 
@@ -102,10 +102,11 @@ def fit_shapes(
         start = primitive.start(segment.footprint)
         fits.append(_fit(kind, primitive, start, evidence, FIRST_EVALUATIONS))
     fits.sort(key=_cost)
+    limit = _cost(fits[0]) + NOT_FAR
     best = [
         _fit(fit.kind, fit.primitive, fit.parameters, evidence, EVALUATIONS)
-        for fit in fits[:FINALISTS]
-    ]
+        for fit in fits[:FINALISTS] if _cost(fit) < limit
+    ]  # fmt: skip
     return min(best, key=_cost)
 
 
@@ -119,7 +120,8 @@ def _fit(
     """Change the parameters until the misfit is least (Nelder & Mead 1965)."""
     simplex = np.vstack([start, start + np.diag(primitive.steps)])
     result = minimize(
-        lambda parameters: misfit(primitive, parameters, evidence), start, method="Nelder-Mead",
+        lambda parameters: misfit(primitive, parameters, evidence) + primitive.unlikely(parameters),
+        start, method="Nelder-Mead",
         options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 2e-4, "fatol": 1e-4},
     )  # fmt: skip
     spread = np.abs(result.final_simplex[0] - result.x).max(axis=0)[:2]

@@ -52,6 +52,10 @@ class Primitive(Protocol):
         """Return at which depth each ray meets it, (m,) [m]; infinity: it does not."""
         ...
 
+    def unlikely(self, parameters: Array) -> float:
+        """Return what is added to its misfit, for proportions that are rare."""
+        ...
+
     def height(self, parameters: Array) -> float:
         """Return its height [m]."""
         ...

@@ -50,16 +50,35 @@ def inside(cone: Cone, rays: Rays, foot: float = 0.0) -> tuple[Array, Array, Arr
     a = d[:, 0] ** 2 + d[:, 1] ** 2 - (slope * d[:, 2]) ** 2
     b = o[0] * d[:, 0] + o[1] * d[:, 1] - r * slope * d[:, 2]
     c = o[0] ** 2 + o[1] ** 2 - r**2
+    inner = b * b - a * c
     with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(b * b - a * c)
+        root = np.sqrt(inner)
         one, two = (-b - root) / a, (-b + root) / a
     near = np.nan_to_num(np.fmin(one, two), nan=np.inf)
     far = np.nan_to_num(np.fmax(one, two), nan=-np.inf)
-    steep = a <= 0.0  # steeper than the cone: outside between the roots
-    near = np.where(steep, far, near)
-    far = np.where(steep, np.inf, far)
+    # a ray steeper than the cone is inside it beyond the roots, towards where the cone widens
+    steep, ahead = a <= 0.0, slope * d[:, 2] < 0.0
+    begin, end = np.where(ahead, -np.inf, far), np.where(ahead, near, np.inf)
+    always = inner < 0.0
+    near = np.where(steep, np.where(always, -np.inf, begin), near)
+    far = np.where(steep, np.where(always, np.inf, end), far)
     half = 0.5 * (cone.height - foot)
     slab(near, far, float(o[2] - foot - half), d[:, 2], half)
     with np.errstate(divide="ignore"):
         plane = (cone.height - o[2]) / d[:, 2]
     return near, far, plane
+
+
+def flattened(rays: Rays, x: float, y: float, yaw: float, flat: float) -> Rays:
+    """Return rays in the frame of an oval at (x, y), stretched across until it is round."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    turn = np.array([[c, s, 0.0], [-s / flat, c / flat, 0.0], [0.0, 0.0, 1.0]])
+    return Rays(turn @ (rays.origin - (x, y, 0.0)), rays.directions @ turn.T)
+
+
+def flatness_prior(flat: float) -> float:
+    """Return what is added to the misfit of an oval: most bottles are about 0.7 as thick as wide.
+
+    Its back is not seen, so that little else says how thick it is; guess.
+    """
+    return 0.01 * float((np.log(flat / 0.7) / 0.25) ** 2)

@@ -38,6 +38,10 @@ class Box:
         slab(near, far, rays.origin[2] - 0.5 * h, dz, 0.5 * h)
         return entered(near, far)
 
+    def unlikely(self, parameters: Array) -> float:
+        """Nothing is."""
+        return 0.0
+
     def height(self, parameters: Array) -> float:
         """Of its upper face."""
         return float(np.exp(parameters[5]))

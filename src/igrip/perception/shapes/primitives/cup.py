@@ -45,6 +45,10 @@ class Cup:
         through = (inner_near < inner_far) & (inner_near <= plane + 1e-9)
         return np.where(through, inner_far, entered(near, far))
 
+    def unlikely(self, parameters: Array) -> float:
+        """Nothing is."""
+        return 0.0
+
     def height(self, parameters: Array) -> float:
         """Of its rim."""
         return cone_of(parameters).height

@@ -37,6 +37,10 @@ class Cylinder:
         near, far, _ = inside(cone_of(parameters), rays)
         return entered(near, far)
 
+    def unlikely(self, parameters: Array) -> float:
+        """Nothing is."""
+        return 0.0
+
     def height(self, parameters: Array) -> float:
         """Of its upper rim."""
         return cone_of(parameters).height

@@ -43,6 +43,10 @@ class LyingCylinder:
         slab(near, far, c * ox + s * oy, c * dx + s * dy, half)
         return entered(near, far)
 
+    def unlikely(self, parameters: Array) -> float:
+        """Nothing is."""
+        return 0.0
+
     def height(self, parameters: Array) -> float:
         """Its diameter."""
         return 2.0 * float(np.exp(parameters[4]))

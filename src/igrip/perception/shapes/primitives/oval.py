@@ -7,7 +7,14 @@ import trimesh
 
 from igrip.objects.model import Symmetry
 from igrip.perception.shapes.primitives import PRIMITIVES, Footprint, Rays, entered
-from igrip.perception.shapes.primitives._cone import SECTIONS, Cone, cone_of, inside
+from igrip.perception.shapes.primitives._cone import (
+    SECTIONS,
+    Cone,
+    cone_of,
+    flatness_prior,
+    flattened,
+    inside,
+)
 from igrip.rgbd import Array
 
 ROUNDEST, FLATTEST = 0.95, 0.3  # shorter over longer axis
@@ -35,12 +42,13 @@ class Oval:
     def depths(self, parameters: Array, rays: Rays) -> Array:
         """Where rays enter a cone; the shorter axis is stretched until it is round."""
         cone, flat, yaw = _sizes(parameters)
-        c, s = np.cos(yaw), np.sin(yaw)
-        turn = np.array([[c, s, 0.0], [-s / flat, c / flat, 0.0], [0.0, 0.0, 1.0]])
-        origin = turn @ (rays.origin - (cone.x, cone.y, 0.0))
-        turned = Rays(origin, rays.directions @ turn.T)
+        turned = flattened(rays, cone.x, cone.y, yaw, flat)
         near, far, _ = inside(cone._replace(x=0.0, y=0.0), turned)
         return entered(near, far)
+
+    def unlikely(self, parameters: Array) -> float:
+        """By how flat it is: its back is not seen."""
+        return flatness_prior(_sizes(parameters)[1])
 
     def height(self, parameters: Array) -> float:
         """Of its top."""

@@ -35,6 +35,10 @@ class Sphere:
             root = np.nan_to_num(np.sqrt(b * b - a * c), nan=-1.0)
         return np.where(root >= 0.0, entered((-b - root) / a, (-b + root) / a), np.inf)
 
+    def unlikely(self, parameters: Array) -> float:
+        """Nothing is."""
+        return 0.0
+
     def height(self, parameters: Array) -> float:
         """Of its highest point."""
         radius, flat = self._sizes(parameters)
