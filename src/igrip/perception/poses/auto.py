@@ -14,6 +14,8 @@ from igrip.perception.poses.shapes import ShapesPoses
 from igrip.perception.shapes.options import ShapesOptions
 from igrip.rgbd import Array, RgbdFrame
 
+SETTLED = 2.0  # s; what was in no catalogue for so long is not looked for in it again; guess
+
 
 @POSES.register("auto")
 class AutoPoses:
@@ -55,7 +57,8 @@ class AutoPoses:
         """
         if frame.depth is None:
             raise IgripError("the pose estimator 'auto' needs a camera with depth; or use 'tags'")
-        poses = dict(self._known.estimate(frame, hands))
+        settled = self._unknown.settled_fits(frame.camera, frame.t - SETTLED)
+        poses = dict(self._known.estimate(frame, hands, settled))
         known = self._known.visible_fits(frame.camera)
         return poses | dict(self._unknown.estimate(frame, hands, known))
 

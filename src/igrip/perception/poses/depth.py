@@ -30,7 +30,7 @@ from igrip.perception.registration.shape import Shape, shape_of
 from igrip.perception.registration.table import Table
 from igrip.perception.registration.track import DepthTrack
 from igrip.perception.registration.view import DepthView, depth_view, measured_points
-from igrip.perception.transforms import object_pose, rigid
+from igrip.perception.transforms import inverse, object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
@@ -115,9 +115,11 @@ class DepthPoses:
         self._random = np.random.default_rng(self.options.seed)
 
     def estimate(
-        self, frame: RgbdFrame, hands: Sequence[Array] = ()
+        self, frame: RgbdFrame, hands: Sequence[Array] = (), others: Sequence[PoseFit] = ()
     ) -> Mapping[str, ObjectPose | None]:
         """Return the pose of each object; see :class:`igrip.perception.poses.PoseEstimator`.
+
+        ``others`` are things that are none of them, world-from-mesh: no object is sought there.
 
         Raises
         ------
@@ -141,7 +143,7 @@ class DepthPoses:
                 camera.gone.add(id)
             else:
                 camera.tracks[id] = updated
-        self._search(camera, view, frame)
+        self._search(camera, view, frame, others)
         return _poses(camera)
 
     def close(self) -> None:
@@ -166,7 +168,9 @@ class DepthPoses:
             camera.tracks[id] = replace(track, fit=moved)
         camera.searched = None
 
-    def _search(self, camera: _CameraState, view: DepthView, frame: RgbdFrame) -> None:
+    def _search(
+        self, camera: _CameraState, view: DepthView, frame: RgbdFrame, others: Sequence[PoseFit]
+    ) -> None:
         """Look for the objects that are not visible, if it is time to."""
         visible = {id: track for id, track in camera.tracks.items() if track.state == "visible"}
         wanted = {id: shape for id, shape in self._shapes.items() if id not in visible}
@@ -186,12 +190,14 @@ class DepthPoses:
                 return fit.score
             return fit.score * colour_similarity(fit, view, frame.colour, palette)
 
+        table_from_world = inverse(camera.table.world_from_table)
         known = [track.fit for track in visible.values()]
+        known += [replace(fit, pose=fit.pose.after(table_from_world)) for fit in others]
         context = SearchContext(view, score, self.options.threshold, self._random)
         found = find_objects(table, points[:, 2], wanted, known, context)
         for id, rough in found.items():
-            others = [other for name, other in found.items() if name != id] + known
-            fit = self._confirmed(rough, others, context)
+            beside = [other for name, other in found.items() if name != id] + known
+            fit = self._confirmed(rough, beside, context)
             if fit is not None:
                 camera.tracks[id] = DepthTrack(fit, frame.t, fit.hidden)
                 camera.gone.discard(id)

@@ -6,6 +6,7 @@ How it works, and what was measured: docs/unknown-objects.md.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +83,21 @@ class ShapesPoses:
                 source="shapes",
             )  # fmt: skip
         return poses
+
+    def settled_fits(self, camera: str, since: float) -> list[PoseFit]:
+        """Return the visible things that a camera has followed since a time [s], world-from-mesh.
+
+        So long that they would have been found in the catalogue, if they were in it.
+        """
+        things = self._cameras.get(camera)
+        if things is None:
+            return []
+        world = things.table.world_from_table
+        return [
+            replace(thing.track.fit, pose=thing.track.fit.pose.after(world))
+            for thing in things.followed.values()
+            if thing.track.state == "visible" and thing.born <= since
+        ]  # fmt: skip
 
     def close(self) -> None:
         """Forget all cameras; write the file of names, if there is none yet."""

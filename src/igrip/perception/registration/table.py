@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from igrip.perception.registration.plane import Plane, find_plane
+from igrip.perception.registration.plane import MIN_SHARE, Plane, find_plane
 from igrip.perception.registration.view import measured_points
 from igrip.perception.transforms import inverse
 from igrip.rgbd import Array, RgbdFrame
 
+TABLE_OVER_FLOOR = 0.25  # m, at least; guess
+LEVEL = np.cos(np.radians(8.0))  # cosine between the two
 STILL_THERE = 0.4  # of the share of points it had when it was found
 
 
@@ -59,7 +61,7 @@ class Table:
             if seen:
                 return True
         points, _ = measured_points(frame.depth, frame.intrinsics, 4, reach)
-        plane = find_plane(points, random)
+        plane = _highest_plane(points, random)
         if plane is None:
             return self.plane is not None
         before = inverse(self.world_from_table)
@@ -67,3 +69,21 @@ class Table:
         self.world_from_table = frame.world_from_camera @ inverse(plane.table_from_camera)
         self.change = inverse(self.world_from_table) @ inverse(before)
         return True
+
+
+def _highest_plane(points: Array, random: np.random.Generator) -> Plane | None:
+    """Return the largest plane of points (n, 3), or a level one over it: the table, not the floor.
+
+    The points are in the camera's frame [m].
+    """
+    plane = find_plane(points, random)
+    if plane is None:
+        return None
+    heights = points @ plane.table_from_camera[2, :3] + plane.table_from_camera[2, 3]
+    above = points[heights > TABLE_OVER_FLOOR]
+    upper = find_plane(above, random)
+    if upper is None:
+        return plane
+    level = plane.table_from_camera[2, :3] @ upper.table_from_camera[2, :3] > LEVEL
+    share = upper.share * len(above) / len(points)
+    return upper._replace(share=share) if level and share > MIN_SHARE else plane

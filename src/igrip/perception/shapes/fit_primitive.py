@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from igrip.compiled import kernel
 from igrip.perception.registration.view import DepthView
 from igrip.perception.registration.visibility import local_depths
 from igrip.perception.shapes.primitives import PRIMITIVES, Primitive, Rays
-from igrip.perception.shapes.segments import Segment
+from igrip.perception.shapes.segments import STRIDE, Segment
 from igrip.rgbd import Array
 
 SAMPLES = 500  # pixels that are compared
@@ -24,7 +25,7 @@ AROUND = 0.35  # of a segment's size is looked at beside it
 HOLLOW = 0.7  # weight of what is measured behind a shape within the thing's outline: it is open
 FIRST_EVALUATIONS, EVALUATIONS = 80, 240  # of each shape, and of the finalists
 FINALISTS, NOT_FAR = 3, 0.15  # so many go on, unless they are so much worse
-MIN_EXPLAINED = 3.0  # times the tolerance at which a pixel counts as wholly wrong
+WRONG_AT = 3.0  # times the tolerance at which a pixel counts as wholly wrong
 
 
 class Evidence(NamedTuple):
@@ -54,42 +55,57 @@ def evidence_of(segment: Segment, depth: NDArray[np.float32], view: DepthView) -
     margin = np.maximum(8, AROUND * (high - low)).astype(int)
     low, high = np.maximum(low - margin, 0), np.minimum(high + margin, (width - 1, height - 1))
     area = float(np.prod(high - low + 1))
-    # the grid of the segment's own pixels is a multiple of their stride
-    stride = 2 * max(1, round(0.5 * float(np.sqrt(area / SAMPLES))))
-    low -= low % stride
+    stride = STRIDE * max(1, round(float(np.sqrt(area / SAMPLES)) / STRIDE))
+    low -= low % STRIDE  # the grid is that of the segment's pixels
     u, v = np.meshgrid(
         np.arange(low[0], high[0] + 1, stride), np.arange(low[1], high[1] + 1, stride)
     )
     u, v = u.ravel(), v.ravel()
-    smooth = np.zeros(tuple(-(-n // 2) for n in depth.shape))
-    local_depths(depth, 2, 0.05, 10.0, smooth)
-    measured = smooth[v // 2, u // 2]
+    window = np.ascontiguousarray(depth[low[1] : high[1] + 1, low[0] : high[0] + 1])
+    smooth = np.empty(tuple(-(-n // STRIDE) for n in window.shape))
+    local_depths(window, STRIDE, 0.05, 10.0, smooth)
+    rows, columns = (v - low[1]) // STRIDE, (u - low[0]) // STRIDE
+    measured = smooth[rows, columns]
     mine = np.zeros(smooth.shape, dtype=np.bool_)
-    mine[segment.pixels[:, 1] // 2, segment.pixels[:, 0] // 2] = True
+    own = (segment.pixels - low) // STRIDE
+    mine[own[:, 1], own[:, 0]] = True
     pixels = np.stack([u, v], axis=1).astype(np.float64)
     ahead = view.intrinsics.points(pixels, np.ones(len(u)))
     rays = Rays(view.table_from_camera[:3, 3], ahead @ view.table_from_camera[:3, :3].T)
     typical = np.where(measured > 0.0, measured, np.median(measured[measured > 0.0]))
     return Evidence(
-        rays, measured, mine[v // 2, u // 2], (view.mask[v, u] == 0).astype(np.float64),
+        rays, measured, mine[rows, columns], (view.mask[v, u] == 0).astype(np.float64),
         view.tolerance + 2.5 * view.noise * typical**2,
     )  # fmt: skip
 
 
 def misfit(primitive: Primitive, parameters: Array, evidence: Evidence) -> float:
     """Return how much of the evidence contradicts a shape, in shares of the segment."""
-    predicted = primitive.depths(parameters, evidence.rays)
-    hit = np.isfinite(predicted)
-    known = evidence.depths > 0.0
-    gap = np.where(hit & known, evidence.depths - np.where(hit, predicted, 0.0), 0.0)
-    wrong = np.minimum((gap / (MIN_EXPLAINED * evidence.limits)) ** 2, 1.0)
-    wrong = np.where(evidence.own, np.where(gap > evidence.limits, HOLLOW * wrong, wrong), wrong)
-    wrong = np.where(~evidence.own & (gap < 0.0), 0.0, wrong)  # something else is in front
-    # seen through: wrong at once, whatever the distance behind
-    wrong = np.where(~evidence.own & (gap > evidence.limits), 1.0, wrong)
-    wrong = np.where(evidence.own & ~hit, 1.0, wrong)
-    weights = evidence.weights
-    return float((weights * wrong).sum() / max((weights * evidence.own).sum(), 1.0))
+    return float(_contradiction(primitive.depths(parameters, evidence.rays), *evidence[1:]))
+
+
+@kernel
+def _contradiction(predicted, depths, own, weights, limits):
+    wrong, total = 0.0, 0.0
+    for n in range(predicted.shape[0]):
+        w = weights[n]
+        if own[n]:
+            total += w
+        if not np.isfinite(predicted[n]):
+            if own[n]:
+                wrong += w  # left unexplained
+            continue
+        if not depths[n] > 0.0:
+            continue
+        gap = depths[n] - predicted[n]
+        share = min((gap / (WRONG_AT * limits[n])) ** 2, 1.0)
+        if own[n]:
+            wrong += w * share * (HOLLOW if gap > limits[n] else 1.0)
+        elif gap > limits[n]:
+            wrong += w  # seen through, whatever the distance behind
+        elif gap > 0.0:
+            wrong += w * share  # nearer: something else is in front
+    return wrong / max(total, 1.0)
 
 
 def fit_shapes(

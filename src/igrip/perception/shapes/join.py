@@ -16,17 +16,22 @@ MAX_SIZE = 0.4  # of what is put together, across [m]
 BESIDE = 3  # pieces so near in the picture may be one [pixels of the segments' grid]
 MAX_MISFIT = 0.3  # of one shape for both; guess
 BETTER = 0.8  # of the misfit of two shapes, weighted by their pixels
-CLEARLY = 0.06  # a piece with a lesser misfit stands for itself
+CLEARLY = 0.06  # with a lesser misfit of one shape for both they are one
+OPEN = ("cup",)  # only what is open falls into pieces
 
 
 def fitted_segments(
-    segments: Sequence[Segment], depth: NDArray[np.float32], view: DepthView
-) -> list[tuple[Segment, ShapeFit]]:
+    segments: Sequence[Segment], depth: NDArray[np.float32], view: DepthView,
+    kinds: Sequence[str] | None = None,
+) -> list[tuple[Segment, ShapeFit]]:  # fmt: skip
     """Fit shapes to segments (see :mod:`igrip.perception.shapes.segments`), joined where need be.
 
-    The largest come first.
+    ``kinds`` are those of the shapes, all by default. The largest come first.
     """
-    fitted = [(segment, _fit(segment, depth, view)) for segment in segments]
+    fitted = [
+        (segment, fit_shapes(segment, evidence_of(segment, depth, view), kinds))
+        for segment in segments
+    ]
     fitted.sort(key=lambda pair: -len(pair[0].points))
     k = 0
     while k < len(fitted):
@@ -41,26 +46,22 @@ def fitted_segments(
     return fitted
 
 
-def _fit(segment: Segment, depth: NDArray[np.float32], view: DepthView) -> ShapeFit:
-    return fit_shapes(segment, evidence_of(segment, depth, view))
-
-
 def _joined(
     one: tuple[Segment, ShapeFit], two: tuple[Segment, ShapeFit], depth: NDArray[np.float32],
     view: DepthView,
 ) -> tuple[Segment, ShapeFit] | None:  # fmt: skip
     """Return two pieces as one thing; None: they are two."""
     (a, fit_a), (b, fit_b) = one, two
-    if max(fit_a.misfit, fit_b.misfit) < CLEARLY or not _beside(a, b, depth.shape):
+    same = a.cluster == b.cluster
+    if not same and not _beside(a, b, depth.shape):
         return None
     both = joined_segment(a, b)
     if 2.0 * both.footprint.half[0] > MAX_SIZE:
         return None
-    fit = _fit(both, depth, view)
+    fit = fit_shapes(both, evidence_of(both, depth, view), None if same else OPEN)
     sizes = np.array([len(a.points), len(b.points)], dtype=np.float64)
     apart = float(sizes @ [fit_a.misfit, fit_b.misfit] / sizes.sum())
-    # only what is open falls into pieces
-    good = fit.primitive.wall is not None and fit.misfit < min(MAX_MISFIT, BETTER * apart)
+    good = fit.misfit < max(CLEARLY, min(MAX_MISFIT, BETTER * apart))
     return (both, fit) if good else None
 
 
@@ -69,8 +70,9 @@ def joined_segment(a: Segment, b: Segment) -> Segment:
     points = np.vstack([a.points, b.points])
     pixels = np.vstack([a.pixels, b.pixels])
     return Segment(
-        points, pixels, footprint_of(points), a.cut or b.cut, a.touched or b.touched
-    )
+        points, pixels, footprint_of(points), a.cut or b.cut, a.touched or b.touched,
+        a.cluster,
+    )  # fmt: skip
 
 
 def _beside(a: Segment, b: Segment, shape: tuple[int, ...]) -> bool:

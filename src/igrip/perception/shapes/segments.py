@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
+from scipy.ndimage import binary_erosion, label
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from igrip.perception.registration.clusters import label_above
 from igrip.perception.registration.fit import PoseFit
@@ -19,6 +20,9 @@ from igrip.rgbd import Array
 STRIDE = 2  # pixels
 BORDER = 4  # what is so near to the picture's edge goes on beyond it [pixels]
 MIN_POINTS = 40  # of a thing
+THIN = 2  # half the width of what does not hold a thing together [cells of the grid]
+MIN_CORE = 15  # cells of a piece that are not at its edge
+JUMP = 0.01  # between neighbouring points of one surface, besides noise [m]; guess
 NEAR_HAND = 0.03  # what touches a hand is not judged: it may be the arm [m]
 ARM_LENGTH, ARM_WIDTH = 0.2, 0.6  # a longer piece that enters the picture is an arm [m]; guess
 YAWS = np.radians(np.arange(0.0, 90.0, 3.0))
@@ -32,6 +36,7 @@ class Segment(NamedTuple):
     footprint: Footprint
     cut: bool  # it goes on beyond the picture's edge
     touched: bool  # a hand is on it, or it is an arm
+    cluster: int  # pieces with the same one touch on the table
 
     @property
     def middle(self) -> Array:
@@ -63,27 +68,70 @@ def find_segments(
     free = labels > 0
     for fit in known:
         free[free] &= ~on_object(fit, table[free])
+    pieces = _pieces(pixels // STRIDE, points[:, 2], labels, view.noise)
     segments = []
-    for label in range(1, int(labels.max(initial=0)) + 1):
-        own = labels == label
+    for piece in range(1, int(pieces.max(initial=0)) + 1):
+        own = pieces == piece
         rest = own & free & ~hand
-        # what is left of a known thing's cluster is its rim, unless it is a good part
+        # what is left of a known thing is its rim, unless it is a good part
         if rest.sum() < max(MIN_POINTS, 0.15 * own.sum()):
             continue
         touched = bool((own & hand).any()) or _near(table[rest], table[hand & ~own])
-        segments.append(_segment(table[rest], pixels[rest], depth.shape, touched))
+        segments.append(
+            _segment(table[rest], pixels[rest], depth.shape, touched, int(labels[own][0]))
+        )
     return segments
 
 
+def _pieces(
+    cells: NDArray[np.int64], depths: Array, labels: NDArray[np.int64], noise: float
+) -> NDArray[np.int64]:
+    """Return the number of the piece of each point, (n,), from 1; 0: it is on no thing.
+
+    Clusters on the table, (n,), are cut where the depth jumps in the picture, and where they are
+    thin, as false depths between two things are: things that touch on the table seldom touch in
+    space where they are seen. What is left, handles among it, goes to the nearest piece of its
+    cluster. ``cells`` (n, 2) are pixels of the grid.
+    """
+    shape = cells.max(axis=0, initial=0) + 3
+    cluster, depth = np.zeros(shape, dtype=np.int64), np.zeros(shape)
+    at = tuple((cells + 1).T)
+    cluster[at], depth[at] = labels, depths
+    core = cluster > 0
+    limit = JUMP + 3.0 * noise * depth**2
+    for axis in (0, 1):
+        for step in (-1, 1):
+            other = np.roll(depth, step, axis)
+            core &= (np.roll(cluster, step, axis) == cluster) & (np.abs(other - depth) < limit)
+    core = binary_erosion(core, iterations=THIN - 1)
+    found, _ = label(core * 1, structure=np.ones((3, 3)))
+    # things that touch may have cores that touch, but never across a jump: cores are cut there
+    number = found[at] * (labels > 0)
+    sizes = np.bincount(number)
+    sizes[0] = 0
+    kept = np.cumsum(sizes >= MIN_CORE) * (sizes >= MIN_CORE)
+    pieces: NDArray[np.int64] = kept[number]
+    count = int(pieces.max(initial=0))
+    for one in range(1, int(labels.max(initial=0)) + 1):
+        own = np.flatnonzero(labels == one)
+        whole, bits = own[pieces[own] > 0], own[pieces[own] == 0]
+        if len(whole):
+            pieces[bits] = pieces[whole[cKDTree(cells[whole]).query(cells[bits])[1]]]
+        elif len(own):
+            count += 1
+            pieces[own] = count
+    return pieces
+
+
 def _segment(
-    points: Array, pixels: NDArray[np.int64], shape: tuple[int, ...], touched: bool
+    points: Array, pixels: NDArray[np.int64], shape: tuple[int, ...], touched: bool, cluster: int
 ) -> Segment:
     footprint = footprint_of(points)
     size = np.array([shape[1], shape[0]])
     cut = bool(((pixels < BORDER).any(axis=1) | (pixels >= size - BORDER).any(axis=1)).any())
     longer, shorter = 2.0 * footprint.half
     arm = cut and longer > ARM_LENGTH and shorter < ARM_WIDTH * longer
-    return Segment(points, pixels, footprint, cut, touched or arm)
+    return Segment(points, pixels, footprint, cut, touched or arm, cluster)
 
 
 def _near(points: Array, hand: Array) -> bool:

@@ -42,6 +42,7 @@ class Thing:
     """A thing that one camera follows."""
 
     track: DepthTrack
+    kind: str  # of its simple shape
     born: float  # when it was first seen [s]
     built: float  # when its model was last made [s]
     hidden: float  # share of it that was hidden then
@@ -85,7 +86,7 @@ def new_thing(shape: Shape, built: Built, view: DepthView, t: float) -> Thing:
     """Return a thing that begins to be followed at time ``t`` [s]."""
     fit = fit_of(shape, RigidPose(np.eye(3), built.origin.copy()), view, built.fit.std)
     track = DepthTrack(fit, t, fit.hidden)
-    return Thing(track, t, t, fit.hidden, built.fit.std)
+    return Thing(track, built.fit.kind, t, t, fit.hidden, built.fit.std)
 
 
 def with_model(thing: Thing, model: ObjectModel, view: DepthView, t: float) -> Thing:

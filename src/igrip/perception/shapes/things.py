@@ -38,6 +38,7 @@ from igrip.rgbd import Array, RgbdFrame
 STILL = 0.015  # m; what moved less between two looks stood still
 YOUNG = 1.0  # s; a thing so young that a hand turns out to be on was the hand
 CUT_FACTOR = 3.0  # times as long as others must things stand that the picture's edge cuts
+MAX_UNSURE = 1.0  # s; what neither agrees nor is confirmed by a segment for so long is not there
 LOOKS = (0.15, 0.5, 1.5)  # s after it was first seen, at which a thing's model is made anew
 UNCOVERED = 0.15  # share of a thing, which was hidden when its model was made and is not now
 MIN_AGREEMENT = 0.6  # of a remembered thing with the picture, to be recognised
@@ -122,6 +123,8 @@ class Things:
             fit = thing.track.fit
             if any(shares_place(fit, other) for other in known):
                 self._drop(id)
+            elif _is_unsure(thing) and t - thing.track.t > MAX_UNSURE:
+                self._drop(id)
             elif t - thing.born < YOUNG and _under_hand(fit, view):
                 self._drop(id)
                 self._memory.forget(id)
@@ -133,8 +136,11 @@ class Things:
     def _search(self, view: DepthView, frame: RgbdFrame, known: Sequence[PoseFit]) -> None:
         """Look for new things."""
         first = self._searched is None
-        fits = [*known, *(thing.track.fit for thing in self.followed.values())]
+        unsure = [id for id, thing in self.followed.items() if _is_unsure(thing)]
+        fits = [*known, *(t.track.fit for id, t in self.followed.items() if id not in unsure)]
         segments = find_segments(self._average.depth, view, self._reach, fits)
+        for id in unsure:
+            segments = self._confirmed(id, segments, frame.t)
         pending, steady = [], []
         for segment in segments:
             if segment.touched:
@@ -150,9 +156,28 @@ class Things:
         self._pending = pending
         for segment, shape in fitted_segments(steady, self._average.depth, view):
             if shape.misfit <= self._options.max_misfit:
-                self._add(segment, shape, view, frame)
+                others = [*known, *(thing.track.fit for thing in self.followed.values())]
+                self._add(segment, shape, view, frame, others)
 
-    def _add(self, segment: Segment, shape: ShapeFit, view: DepthView, frame: RgbdFrame) -> None:
+    def _confirmed(self, id: str, segments: list[Segment], t: float) -> list[Segment]:
+        """Hold a thing for visible if something stands where it is; return the other segments.
+
+        A mesh that was made from one side may agree badly with what is seen from another.
+        """
+        track = self.followed[id].track
+        own = [
+            segment for segment in segments
+            if belongs_to(segment, track.fit) > 0.5 and not segment.touched
+        ]  # fmt: skip
+        if own:
+            seen = replace(track, t=t, state="visible", gone_for=0)
+            self.followed[id] = replace(self.followed[id], track=seen)
+        return [segment for segment in segments if not any(segment is one for one in own)]
+
+    def _add(
+        self, segment: Segment, shape: ShapeFit, view: DepthView, frame: RgbdFrame,
+        fits: Sequence[PoseFit],
+    ) -> None:  # fmt: skip
         """Begin to follow a thing: one that is remembered, or a new one."""
         built = build_thing(segment, shape, self._average.depth, frame.colour, view)
         middle = self._in_world(segment.middle)
@@ -160,13 +185,18 @@ class Things:
             fit = self._recognised(self._memory[id], segment, view)
             if fit is not None:
                 track = DepthTrack(fit, frame.t, fit.hidden)
-                self.followed[id] = Thing(track, -np.inf, frame.t, fit.hidden, built.fit.std)
+                self.followed[id] = Thing(track, built.fit.kind, -np.inf, frame.t, fit.hidden, built.fit.std)
                 break
         else:
+            model = model_of("new", built)
+            thing = new_thing(derive_shape(model), built, view, frame.t)
+            if any(shares_place(thing.track.fit, other) for other in fits):
+                return  # what a simple shape explains badly falls into pieces
             id = self._memory.new_id(built.look, self._names)
-            model = model_of(id, built)
-            mesh = derive_shape(model)
-            self.followed[id] = new_thing(mesh, built, view, frame.t)
+            model = replace(model, name=id)
+            mesh = thing.track.fit.shape._replace(name=id)
+            fit = replace(thing.track.fit, shape=mesh)
+            self.followed[id] = replace(thing, track=replace(thing.track, fit=fit))
             self._memory.put(id, Remembered(model, mesh, built.look, middle, frame.t))
         self.gone.discard(id)
 
@@ -206,12 +236,16 @@ class Things:
         ]  # fmt: skip
         if not own or any(segment.touched for segment in own):
             return
-        segment, shape = fitted_segments(own, self._average.depth, view)[0]
+        # what kind it is was decided when its picture was averaged for a while
+        kinds = (thing.kind,) if thing.built - thing.born > LOOKS[0] else None
+        segment, shape = fitted_segments(own, self._average.depth, view, kinds)[0]
         built = build_thing(segment, shape, self._average.depth, frame.colour, view)
         if not self._differs(built, due, fit):
             return
         model = model_of(due, built, fit.pose)
-        self.followed[due] = with_model(self.followed[due], model, view, frame.t)
+        self.followed[due] = replace(
+            with_model(self.followed[due], model, view, frame.t), kind=shape.kind
+        )
         mesh = self.followed[due].track.fit.shape
         middle = self._in_world(segment.middle)
         self._memory.put(due, Remembered(model, mesh, built.look, middle, frame.t))
@@ -239,6 +273,13 @@ class Things:
     def _in_world(self, point: Array) -> Array:
         world = self.table.world_from_table
         return np.asarray(world[:3, :3] @ point + world[:3, 3])
+
+
+def _is_unsure(thing: Thing) -> bool:
+    """Whether a thing does not agree with the picture although little covers it."""
+    share = thing.track.fit.visibility
+    open_share = 1.0 - share.hidden - share.outside - share.missing
+    return thing.track.state == "hidden" and open_share > 0.5
 
 
 def _under_hand(fit: PoseFit, view: DepthView) -> bool:

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from igrip.perception.shapes.primitives import Footprint, Rays, slab
+from igrip.compiled import kernel
+from igrip.perception.shapes.primitives import Footprint, Rays
 from igrip.rgbd import Array
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -44,29 +45,46 @@ def inside(cone: Cone, rays: Rays, foot: float = 0.0) -> tuple[Array, Array, Arr
 
     ``foot`` is the height at which it begins [m]. A ray that enters after it leaves misses.
     """
-    slope = (cone.top - cone.low) / cone.height
-    o, d = rays.origin - (cone.x, cone.y, 0.0), rays.directions
-    r = cone.low + slope * o[2]
-    a = d[:, 0] ** 2 + d[:, 1] ** 2 - (slope * d[:, 2]) ** 2
-    b = o[0] * d[:, 0] + o[1] * d[:, 1] - r * slope * d[:, 2]
-    c = o[0] ** 2 + o[1] ** 2 - r**2
-    inner = b * b - a * c
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(inner)
-        one, two = (-b - root) / a, (-b + root) / a
-    near = np.nan_to_num(np.fmin(one, two), nan=np.inf)
-    far = np.nan_to_num(np.fmax(one, two), nan=-np.inf)
-    # a ray steeper than the cone is inside it beyond the roots, towards where the cone widens
-    steep, ahead = a <= 0.0, slope * d[:, 2] < 0.0
-    begin, end = np.where(ahead, -np.inf, far), np.where(ahead, near, np.inf)
-    always = inner < 0.0
-    near = np.where(steep, np.where(always, -np.inf, begin), near)
-    far = np.where(steep, np.where(always, np.inf, end), far)
-    half = 0.5 * (cone.height - foot)
-    slab(near, far, float(o[2] - foot - half), d[:, 2], half)
-    with np.errstate(divide="ignore"):
-        plane = (cone.height - o[2]) / d[:, 2]
+    near, far, plane = np.empty((3, len(rays.directions)))
+    origin = rays.origin - (cone.x, cone.y, 0.0)
+    _inside(origin, rays.directions, cone.low, cone.top, cone.height, foot, near, far, plane)
     return near, far, plane
+
+
+@kernel
+def _inside(origin, directions, low, top, height, foot, near, far, plane):
+    slope = (top - low) / height
+    ox, oy, oz = origin[0], origin[1], origin[2]
+    r = low + slope * oz
+    c = ox * ox + oy * oy - r * r
+    for n in range(directions.shape[0]):
+        dx, dy, dz = directions[n, 0], directions[n, 1], directions[n, 2]
+        a = dx * dx + dy * dy - slope * slope * dz * dz
+        b = ox * dx + oy * dy - r * slope * dz
+        inner = b * b - a * c
+        begin, end = -np.inf, np.inf
+        if inner < 0.0 or a == 0.0:
+            if a > 0.0:
+                begin, end = np.inf, -np.inf
+        else:
+            root = np.sqrt(inner)
+            one, two = (-b - root) / a, (-b + root) / a
+            begin, end = min(one, two), max(one, two)
+            if a < 0.0:
+                # steeper than the cone: inside beyond the roots, towards where the cone widens
+                if slope * dz < 0.0:
+                    begin, end = -np.inf, begin
+                else:
+                    begin, end = end, np.inf
+        if dz == 0.0:
+            plane[n] = np.inf
+            if oz < foot or oz > height:
+                begin, end = np.inf, -np.inf
+        else:
+            upper, lower = (height - oz) / dz, (foot - oz) / dz
+            plane[n] = upper
+            begin, end = max(begin, min(upper, lower)), min(end, max(upper, lower))
+        near[n], far[n] = begin, end
 
 
 def flattened(rays: Rays, x: float, y: float, yaw: float, flat: float) -> Rays:
