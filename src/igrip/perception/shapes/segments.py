@@ -22,7 +22,7 @@ BORDER = 4  # what is so near to the picture's edge goes on beyond it [pixels]
 MIN_POINTS = 40  # of a thing
 THIN = 2  # half the width of what does not hold a thing together [cells of the grid]
 MIN_CORE = 15  # cells of a piece that are not at its edge
-JUMP = 0.01  # between neighbouring points of one surface, besides noise [m]; guess
+JUMP = 0.006  # between neighbouring points of one surface, besides noise [m]; guess
 NEAR_HAND = 0.03  # what touches a hand is not judged: it may be the arm [m]
 ARM_LENGTH, ARM_WIDTH = 0.2, 0.6  # a longer piece that enters the picture is an arm [m]; guess
 YAWS = np.radians(np.arange(0.0, 90.0, 3.0))
@@ -98,7 +98,7 @@ def _pieces(
     at = tuple((cells + 1).T)
     cluster[at], depth[at] = labels, depths
     core = cluster > 0
-    limit = JUMP + 3.0 * noise * depth**2
+    limit = JUMP + 1.5 * noise * depth**2
     for axis in (0, 1):
         for step in (-1, 1):
             other = np.roll(depth, step, axis)
@@ -117,7 +117,7 @@ def _pieces(
         whole, bits = own[pieces[own] > 0], own[pieces[own] == 0]
         if len(whole):
             pieces[bits] = pieces[whole[cKDTree(cells[whole]).query(cells[bits])[1]]]
-        elif len(own):
+        elif len(own) >= 3 * MIN_POINTS:  # less is an edge's false depths
             count += 1
             pieces[own] = count
     return pieces
