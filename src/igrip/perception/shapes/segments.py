@@ -23,6 +23,8 @@ MIN_POINTS = 40  # of a thing
 THIN = 2  # half the width of what does not hold a thing together [cells of the grid]
 MIN_CORE = 15  # cells of a piece that are not at its edge
 JUMP = 0.006  # between neighbouring points of one surface, besides noise [m]; guess
+ON_TABLE = 0.045  # what is nowhere lower than that hovers [m]; guess
+FOOT = 8  # so far below a piece it is looked what covers its foot [pixels]
 NEAR_HAND = 0.03  # what touches a hand is not judged: it may be the arm [m]
 ARM_LENGTH, ARM_WIDTH = 0.2, 0.6  # a longer piece that enters the picture is an arm [m]; guess
 YAWS = np.radians(np.arange(0.0, 90.0, 3.0))
@@ -35,7 +37,7 @@ class Segment(NamedTuple):
     pixels: NDArray[np.int64]  # (n, 2), u and v
     footprint: Footprint
     cut: bool  # it goes on beyond the picture's edge
-    touched: bool  # a hand is on it, or it is an arm
+    touched: bool  # a hand is on it, or it is an arm, or it hovers
     cluster: int  # pieces with the same one touch on the table
 
     @property
@@ -77,6 +79,7 @@ def find_segments(
         if rest.sum() < max(MIN_POINTS, 0.15 * own.sum()):
             continue
         touched = bool((own & hand).any()) or _near(table[rest], table[hand & ~own])
+        touched |= _hovers(table[rest, 2], pixels[rest], depth)
         segments.append(
             _segment(table[rest], pixels[rest], depth.shape, touched, int(labels[own][0]))
         )
@@ -132,6 +135,21 @@ def _segment(
     longer, shorter = 2.0 * footprint.half
     arm = cut and longer > ARM_LENGTH and shorter < ARM_WIDTH * longer
     return Segment(points, pixels, footprint, cut, touched or arm, cluster)
+
+
+def _hovers(heights: Array, pixels: NDArray[np.int64], depth: NDArray[np.float32]) -> bool:
+    """Whether a piece is over the table and not on it, as arms are, and what a hand holds.
+
+    Heights (n,) over the table [m]. Where something nearer covers its foot, nothing is concluded.
+    """
+    if float(np.percentile(heights, 3.0)) < ON_TABLE:
+        return False
+    columns = np.unique(pixels[:, 0])
+    lowest = np.array([pixels[pixels[:, 0] == column, 1].max() for column in columns])
+    own = depth[lowest, columns]
+    below = depth[np.minimum(lowest + FOOT, depth.shape[0] - 1), columns]
+    covered = (below > 0.0) & (below < own - 0.02)
+    return float(covered.mean()) < 0.4
 
 
 def _near(points: Array, hand: Array) -> bool:
