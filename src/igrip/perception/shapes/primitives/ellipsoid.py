@@ -21,7 +21,7 @@ class Ellipsoid:
 
     symmetry: Symmetry = "box"
     axis = None
-    cost = 0.014
+    cost = 0.03  # its length along the line of sight is hardly seen
     steps = np.array([0.008, 0.008, 0.12, -0.12, 0.1, 0.3])
     wall = None
 

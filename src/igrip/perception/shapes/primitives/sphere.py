@@ -36,8 +36,8 @@ class Sphere:
         return np.where(root >= 0.0, entered((-b - root) / a, (-b + root) / a), np.inf)
 
     def unlikely(self, parameters: Array) -> float:
-        """Nothing is."""
-        return 0.0
+        """By how flat or tall it is; guess."""
+        return 0.01 * float((parameters[3] / 0.1) ** 2)
 
     def height(self, parameters: Array) -> float:
         """Of its highest point."""
