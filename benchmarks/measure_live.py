@@ -77,8 +77,9 @@ def true_id(film: FilmedReach, catalog: Catalog, id: str, pose: ObjectPose) -> s
     if id in film.scene.objects:
         return id
     model = catalog[pose.model or id]
-    at = np.array(pose.position) + Rotation.from_quat(pose.orientation).as_matrix() @ (
-        model.sphere[:3]
+    at = (
+        np.array(pose.position)
+        + Rotation.from_quat(pose.orientation).as_matrix() @ (model.sphere[:3])
     )
     middles = {
         name: (placed.pose @ [*placed.model.sphere[:3], 1.0])[:3]
@@ -143,7 +144,9 @@ def main() -> int:
     parser.add_argument("film", type=Path, help="a film of one hand, to cut hands from")
     parser.add_argument("--reaches", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--poses", default="depth", help="pose estimator; of shapes, nothing is known")
+    parser.add_argument(
+        "--poses", default="depth", help="pose estimator; of shapes, nothing is known"
+    )
     asked = parser.parse_args()
     catalog = igrip.load_objects("ycb")
     hands = cut_hands(asked.film)

@@ -25,7 +25,6 @@ import igrip
 from igrip.entities import ObjectPose
 from igrip.lab.rendering.layout import LayoutConfig, PlacedMesh
 from igrip.lab.rendering.scene import RenderedScene, random_scene
-from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.perception.poses import POSES
 
@@ -58,7 +57,9 @@ def main() -> None:
     catalog = igrip.load_objects("ycb")
     kind_of = {name: kind for kind, names in KINDS.items() for name in names}
     rows: dict[str, list[tuple[float, float, float]]] = {kind: [] for kind in KINDS}
-    missed, judged, extra, took, first = 0, 0, 0, [], []
+    missed, judged, extra = 0, 0, 0
+    took: list[float] = []
+    first: list[float] = []
     for seed in range(asked.seed, asked.seed + asked.scenes):
         random = np.random.default_rng(seed)
         names = [str(random.choice(KINDS[str(kind)]))
@@ -96,8 +97,10 @@ def main() -> None:
     for kind, of_kind in rows.items():
         _print(kind, of_kind)
     _print("all", [row for of_kind in rows.values() for row in of_kind])
-    print(f"a frame {1e3 * np.median(took):.1f} ms (median), {1e3 * np.quantile(took, 0.9):.0f} "
-          f"(90 %); the first {1e3 * np.median(first):.0f} ms; load {os.getloadavg()[0]:.1f}")
+    print(
+        f"a frame {1e3 * np.median(took):.1f} ms (median), {1e3 * np.quantile(took, 0.9):.0f} "
+        f"(90 %); the first {1e3 * np.median(first):.0f} ms; load {os.getloadavg()[0]:.1f}"
+    )
 
 
 def _print(kind: str, rows: list[tuple[float, float, float]]) -> None:

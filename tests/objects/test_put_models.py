@@ -64,7 +64,7 @@ def test_a_refined_model_is_used_but_not_while_a_hand_reaches(catalog):
         if intention.status != "reaching" and n > 50:
             break
     assert before == pytest.approx(0.2)
-    scores = [s for s in intention.scores["thing"].values()]
+    scores = list(intention.scores["thing"].values())
     assert np.isfinite(scores).all()
 
 

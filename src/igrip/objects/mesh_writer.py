@@ -33,7 +33,7 @@ def write_models(folder: str | Path, models: Mapping[str, ObjectModel]) -> None:
         (into / file).write_bytes(trimesh.exchange.ply.export_ply(mesh))
         axis = ", ".join(f"{value:.9f}" for value in model.axis)
         lines.append(
-            f"[{json.dumps(name)}]\nfile = {json.dumps(file)}\nunit = \"m\"\naxis = [{axis}]\n"
+            f'[{json.dumps(name)}]\nfile = {json.dumps(file)}\nunit = "m"\naxis = [{axis}]\n'
             f"symmetry = {json.dumps(model.symmetry)}\n"
         )
     (into / TABLE).write_text("\n".join(lines), encoding="utf-8")

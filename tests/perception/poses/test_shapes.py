@@ -126,7 +126,9 @@ def arm_over(scene, placed, size=0.32):
 
 
 def test_ids_are_kept_while_hidden_taken_away_and_put_elsewhere(catalog):
-    scene = RenderedScene({"box": standing(BOX, -0.15, 0.0), "can": standing(CAN, 0.12, 0.0)}, CAMERA)
+    scene = RenderedScene(
+        {"box": standing(BOX, -0.15, 0.0), "can": standing(CAN, 0.12, 0.0)}, CAMERA
+    )
     estimator = ShapesPoses(catalog)
     before = film(estimator, scene, 6)
     box, *_ = nearest(catalog, before, scene.objects["box"])
@@ -141,7 +143,9 @@ def test_ids_are_kept_while_hidden_taken_away_and_put_elsewhere(catalog):
     gone = film(estimator, without, 5, start=3.0)
     assert gone[box] is None
     assert gone[can] is not None
-    elsewhere = RenderedScene({**without.objects, "box": standing(BOX, -0.1, 0.12, yaw=1.2)}, CAMERA)
+    elsewhere = RenderedScene(
+        {**without.objects, "box": standing(BOX, -0.1, 0.12, yaw=1.2)}, CAMERA
+    )
     back = film(estimator, elsewhere, 8, start=4.0)
     assert back[box] is not None
     check(catalog, back, elsewhere.objects["box"], gap=0.015)

@@ -7,7 +7,7 @@ outline is fitted together with the surface. What something nearer covers counts
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,10 +57,10 @@ def evidence_of(segment: Segment, depth: NDArray[np.float32], view: DepthView) -
     area = float(np.prod(high - low + 1))
     stride = STRIDE * max(1, round(float(np.sqrt(area / SAMPLES)) / STRIDE))
     low -= low % STRIDE  # the grid is that of the segment's pixels
-    u, v = np.meshgrid(
+    grid = np.meshgrid(
         np.arange(low[0], high[0] + 1, stride), np.arange(low[1], high[1] + 1, stride)
     )
-    u, v = u.ravel(), v.ravel()
+    u, v = (coordinate.ravel() for coordinate in grid)
     window = np.ascontiguousarray(depth[low[1] : high[1] + 1, low[0] : high[0] + 1])
     smooth = np.empty(tuple(-(-n // STRIDE) for n in window.shape))
     local_depths(window, STRIDE, 0.05, 10.0, smooth)
@@ -135,11 +135,14 @@ def _fit(
 ) -> ShapeFit:
     """Change the parameters until the misfit is least (Nelder & Mead 1965)."""
     simplex = np.vstack([start, start + np.diag(primitive.steps)])
-    result = minimize(
-        lambda parameters: misfit(primitive, parameters, evidence) + primitive.unlikely(parameters),
-        start, method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 2e-4, "fatol": 1e-4},
-    )  # fmt: skip
+
+    def cost(parameters: Array) -> float:
+        return misfit(primitive, parameters, evidence) + primitive.unlikely(parameters)
+
+    options: Any = {
+        "initial_simplex": simplex, "maxfev": evaluations, "xatol": 2e-4, "fatol": 1e-4
+    }  # fmt: skip
+    result = minimize(cost, start, method="Nelder-Mead", options=options)
     spread = np.abs(result.final_simplex[0] - result.x).max(axis=0)[:2]
     typical = float(np.median(evidence.limits))
     std = float(np.hypot(0.002, typical * np.sqrt(result.fun)) + spread.max())

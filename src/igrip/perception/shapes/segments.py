@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -163,10 +164,8 @@ def _near(points: Array, hand: Array) -> bool:
 def footprint_of(points: Array) -> Footprint:
     """Return the footprint of points (n, 3) over the table [m]."""
     flat = points[:, :2]
-    try:
+    with suppress(QhullError):  # on one line: all of them
         flat = flat[ConvexHull(flat).vertices]
-    except QhullError:
-        pass  # on one line: all of them
     c, s = np.cos(YAWS), np.sin(YAWS)
     u = flat[:, :1] * c + flat[:, 1:] * s  # (n, yaws)
     v = flat[:, 1:] * c - flat[:, :1] * s

@@ -121,9 +121,8 @@ class Things:
         """Give up things that turn out to be a known object, or a hand."""
         for id, thing in list(self.followed.items()):
             fit = thing.track.fit
-            if any(shares_place(fit, other) for other in known):
-                self._drop(id)
-            elif _is_unsure(thing) and t - thing.track.t > MAX_UNSURE:
+            lost = _is_unsure(thing) and t - thing.track.t > MAX_UNSURE
+            if lost or any(shares_place(fit, other) for other in known):
                 self._drop(id)
             elif t - thing.born < YOUNG and _under_hand(fit, view):
                 self._drop(id)
@@ -185,7 +184,9 @@ class Things:
             fit = self._recognised(self._memory[id], segment, view)
             if fit is not None:
                 track = DepthTrack(fit, frame.t, fit.hidden)
-                self.followed[id] = Thing(track, built.fit.kind, -np.inf, frame.t, fit.hidden, built.fit.std)
+                self.followed[id] = Thing(
+                    track, built.fit.kind, -np.inf, frame.t, fit.hidden, built.fit.std
+                )
                 break
         else:
             model = model_of("new", built)
@@ -200,9 +201,7 @@ class Things:
             self._memory.put(id, Remembered(model, mesh, built.look, middle, frame.t))
         self.gone.discard(id)
 
-    def _recognised(
-        self, thing: Remembered, segment: Segment, view: DepthView
-    ) -> PoseFit | None:
+    def _recognised(self, thing: Remembered, segment: Segment, view: DepthView) -> PoseFit | None:
         """Return a remembered thing where a segment is; None: it does not fit."""
         points = segment.points
         depths = points @ view.camera_from_table[2, :3] + view.camera_from_table[2, 3]

@@ -38,11 +38,30 @@ class Footprint(NamedTuple):
 class Primitive(Protocol):
     """A kind of shape."""
 
-    symmetry: Symmetry  # of its mesh, see igrip.objects.model.ObjectModel
-    axis: Array | None  # of its model (3,); None: its longest edge
-    cost: float  # added to its misfit for what it can do more than others
-    steps: Array  # (n,), by which a search begins to change the parameters
-    wall: float | None  # thickness of its wall, if it is open at the top [m]; None: it is closed
+    @property
+    def symmetry(self) -> Symmetry:
+        """Of its mesh, see :class:`igrip.objects.model.ObjectModel`."""
+        ...
+
+    @property
+    def axis(self) -> Array | None:
+        """Axis of its model, (3,); None: its longest edge."""
+        ...
+
+    @property
+    def cost(self) -> float:
+        """What is added to its misfit, for what it can do more than others."""
+        ...
+
+    @property
+    def steps(self) -> Array:
+        """By which a search begins to change the parameters, (n,)."""
+        ...
+
+    @property
+    def wall(self) -> float | None:
+        """Thickness of its wall, if it is open at the top [m]; None: it is closed."""
+        ...
 
     def start(self, footprint: Footprint) -> Array:
         """Return parameters (n,) of about this size; the first two are x and y of its middle."""

@@ -12,8 +12,8 @@ from igrip.perception.shapes.primitives import PRIMITIVES, Footprint, Rays, ente
 from igrip.perception.shapes.primitives._cone import (
     SECTIONS,
     Cone,
-    flattened,
     flatness_prior,
+    flattened,
     inside,
 )
 from igrip.rgbd import Array
@@ -38,8 +38,11 @@ class _Sizes(NamedTuple):
 
 @PRIMITIVES.register("bottle")
 class Bottle:
-    """Parameters: x, y, logarithms of the longer half axis and of the height, share of the height
-    at which the shoulder begins, neck over body, shorter over longer axis, yaw of the longer."""
+    """A body, a shoulder and a neck.
+
+    Parameters: x, y, logarithms of the longer half axis and of the height, share of the height
+    at which the shoulder begins, neck over body, shorter over longer axis, yaw of the longer.
+    """
 
     symmetry: Symmetry = "box"
     axis = np.array([0.0, 0.0, 1.0])
@@ -85,7 +88,7 @@ class Bottle:
         return np.asarray(across[:, None] * round_one[None, :])
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """A surface of revolution, stretched and turned."""
+        """Return a surface of revolution, stretched and turned."""
         _, _, r, h, shoulder, neck, flat, yaw = _sizes(parameters)
         profile = np.array([(0, 0), (r, 0), (r, 0.5 * shoulder), (r, shoulder), (neck, h), (0, h)])
         mesh = trimesh.creation.revolve(profile, sections=SECTIONS)

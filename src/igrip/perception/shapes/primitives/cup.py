@@ -60,7 +60,7 @@ class Cup:
         return np.repeat(across[:, None], len(angles), axis=1)
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """A surface of revolution with an inside."""
+        """Return a surface of revolution with an inside."""
         _, _, low, top, h = cone_of(parameters)
         wall = _wall(low, top, h)
         profile = np.array([

@@ -52,7 +52,7 @@ class Cylinder:
         return np.repeat(across[:, None], len(angles), axis=1)
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """A surface of revolution."""
+        """Return a surface of revolution."""
         _, _, low, top, h = cone_of(parameters)
         middle = (0.5 * (low + top), 0.5 * h)
         profile = np.array([(0.0, 0.0), (low, 0.0), middle, (top, h), (0.0, h)])

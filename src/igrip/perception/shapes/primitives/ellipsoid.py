@@ -60,7 +60,7 @@ class Ellipsoid:
         return np.asarray(across[:, None] * round_one[None, :])
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """An icosphere, stretched and turned."""
+        """Return an icosphere, stretched and turned."""
         _, _, half, slim, height, yaw = _sizes(parameters)
         mesh = trimesh.creation.icosphere(subdivisions=3, radius=half)
         mesh.apply_scale((1.0, slim, 0.5 * height / half))

@@ -60,7 +60,7 @@ class LyingCylinder:
         return np.asarray(1.0 / np.maximum(along[None, :], across))
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """A tube with caps."""
+        """Return a tube with caps."""
         half, r = np.exp(parameters[3:])
         mesh = trimesh.creation.cylinder(r, 2.0 * half, sections=SECTIONS)
         turn = trimesh.transformations.rotation_matrix

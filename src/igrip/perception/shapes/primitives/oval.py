@@ -22,8 +22,11 @@ ROUNDEST, FLATTEST = 0.95, 0.3  # shorter over longer axis
 
 @PRIMITIVES.register("oval")
 class Oval:
-    """Parameters: x, y, logarithms of the longer half axis at the top, of foot over top, of the
-    height; the logarithm of shorter over longer axis, and the yaw of the longer one."""
+    """An upright cone, flattened.
+
+    Parameters: x, y, logarithms of the longer half axis at the top, of foot over top, of the
+    height; the logarithm of shorter over longer axis, and the yaw of the longer one.
+    """
 
     symmetry: Symmetry = "box"
     axis = None
@@ -63,7 +66,7 @@ class Oval:
         return np.asarray(across[:, None] * round_one[None, :])
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """A surface of revolution, stretched and turned."""
+        """Return a surface of revolution, stretched and turned."""
         cone, flat, yaw = _sizes(parameters)
         _, _, low, top, h = cone
         middle = (0.5 * (low + top), 0.5 * h)

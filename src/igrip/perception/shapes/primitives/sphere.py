@@ -51,7 +51,7 @@ class Sphere:
         return np.repeat(across[:, None], len(angles), axis=1)
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
-        """An icosphere, stretched."""
+        """Return an icosphere, stretched."""
         radius, flat = self._sizes(parameters)
         mesh = trimesh.creation.icosphere(subdivisions=3, radius=radius)
         mesh.apply_scale((1.0, 1.0, flat))
