@@ -80,7 +80,6 @@ notebooks: $(READY)  ## run the notebooks and keep what they show
 	$(BIN)/python docs/make_notebooks.py
 
 benchmark: $(READY)  ## the table of docs/benchmark.md (half an hour); REACHES=FOLDER
-	rm -rf build/judged
 	test -d build/four-people || $(BIN)/igrip simulate build/four-people --participants 4 --trials 32 --no-reach 8 --seed 12
 	$(BIN)/igrip benchmark near_far=$(REACHES) simulated=build/four-people --out build/judged
 	cp build/judged/table.md docs/output/benchmark.txt

@@ -20,8 +20,10 @@ REACH, LIMIT = 0.08, 2.0
 def approach(model, coefficients, rotation=None, translation=(0.0, 0.0, 0.0)):
     turn = np.eye(3) if rotation is None else rotation
     models = pack({model.name: model}).arrays
-    found = contact.approach(models, 0, turn, np.array(translation), coefficients, REACH, LIMIT)
-    return [found[0], *found[1]]
+    time, point = contact.approach(
+        models, 0, turn, np.array(translation), coefficients, REACH, LIMIT
+    )
+    return [time, *(turn.T @ (np.array(point) - translation))]  # in the frame of the mesh
 
 
 def box_distance(points, half):

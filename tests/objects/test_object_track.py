@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from igrip.entities import ObjectPose
 from igrip.gating import GatingConfig
-from igrip.objects.object_track import ObjectConfig, ObjectTrack
+from igrip.objects.object_track import PATH_SPAN, PATH_STEP, ObjectConfig, ObjectTrack
 from oracle import filters
 from oracle.pipeline import OBJECT_ORIENTATION, OBJECT_POSITION
 from support import BOX, random_turn
@@ -159,3 +161,32 @@ def test_after_a_gap_the_filters_begin_anew(shapes):
         Rotation.from_rotvec([1.0, 0, 0]).as_matrix()
     )
     assert velocity(ours, np.zeros(3)).tolist() == [0.0, 0.0, 0.0]
+
+
+@given(
+    steps=st.lists(
+        st.tuples(st.floats(0.005, 1.2), st.sampled_from([0.0, 0.0, 0.004, 0.02, 0.2]),
+                  st.integers(0, 2)),
+        max_size=120,
+    )
+)  # fmt: skip
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+def test_the_path_is_that_of_the_last_seconds_if_the_object_moved_in_them(shapes, steps):
+    """An oracle that looks at every place again; the track looks only where its bounds allow it."""
+    ours = ObjectTrack("box", BOX, shapes, ObjectConfig(), GatingConfig(jump_speed=1e3))
+    kept, t, place = [], 0.0, [0.0, 0.0, 0.0]
+    for k, (dt, step, axis) in enumerate(steps):
+        t += dt
+        place[axis] += step if k % 2 else -step
+        seen(ours, t, place)
+        if ours.gate.counts["restarts"]:
+            ours.gate.counts["restarts"], kept = 0, []
+        if len(kept) > 1 and t - kept[-2][0] < PATH_STEP:
+            kept.pop()
+        kept = [row for row in [*kept, (t, *place)] if t - row[0] <= PATH_SPAN]
+        rows = np.array(kept)
+        moved = len(kept) > 1 and np.ptp(rows[:, 1:], axis=0).max() > ObjectConfig().rest_distance
+        if moved:
+            np.testing.assert_array_equal(ours.path, rows)
+        else:
+            assert ours.path is None

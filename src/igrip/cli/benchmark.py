@@ -20,6 +20,7 @@ from igrip.cli.console import (
 )
 from igrip.cli.outputs import folder_option
 from igrip.errors import DatasetError, requires_extra
+from igrip.io.datasets.shared import address_of
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import IMPORTERS, ImportFiles
 from igrip.io.resampling import ImportOptions
@@ -91,7 +92,7 @@ def benchmark(
     frame = frame_of(rows)
     table = sum_up(frame)
     (out / "table.md").write_text(markdown(table), encoding="utf-8")
-    frame.drop(columns=["stamp"]).to_json(out / "trials.jsonl", orient="records", lines=True)
+    frame.drop(columns=["row", "stamp"]).to_json(out / "trials.jsonl", orient="records", lines=True)
     if as_json:
         print_json(table)
     else:
@@ -112,7 +113,7 @@ def _entries(given: list[str] | None) -> list[Entry]:
 
 def _dataset_of(name: str, folder: Path, out: Path) -> Path:
     """Return the folder of a dataset: the one that is given, or what its files are imported to."""
-    if (folder / DESCRIPTION).is_file():
+    if address_of(folder) is not None or (folder / DESCRIPTION).is_file():
         return folder
     imported = out / "sets" / name
     if not imported.exists():

@@ -25,7 +25,7 @@ from igrip.cli.estimator_setup import base_config, warm_up, with_targets
 from igrip.cli.outputs import folder_option
 from igrip.errors import RecordingError, requires_extra
 from igrip.grips import GRIPS
-from igrip.io.datasets.dataset import Dataset
+from igrip.io.datasets.shared import open_dataset
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.evaluation.predicted_times import PARTS
 from igrip.lab.evaluation.runner import spread
@@ -84,7 +84,7 @@ def evaluate(
     with requires_extra("pandas", "report", "the evaluation"):
         from igrip.lab.evaluation.summary import frame_of, summarise
         from igrip.lab.report.page import write_report
-    opened = Dataset.open(dataset, lenient=True)
+    opened = open_dataset(dataset, lenient=True)
     chosen = spread(opened.trials, limit)
     if trial is not None and trial not in {t.recording for t in chosen}:
         raise RecordingError(f"{dataset}: no recording {trial!r} among those that are evaluated")

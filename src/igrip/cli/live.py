@@ -50,7 +50,9 @@ def live(
         typer.Option(help="oak, realsense, webcam:0, replay:FILE.mcap, rendered; several joined by "
                      "+, as in oak:ID1+oak:ID2."),
     ] = "oak",
-    hands: Annotated[str, typer.Option(help="Hand detector; none: no hands.")] = "mediapipe",
+    hands: Annotated[
+        str, typer.Option(help="Hand detector: auto, mediapipe, depth, tags; none: no hands.")
+    ] = "mediapipe",
     poses: Annotated[
         str,
         typer.Option(help="Pose estimator: auto (known things by name, others as object_1 …), "
@@ -66,6 +68,10 @@ def live(
     option: Annotated[
         list[str] | None,
         typer.Option(help="NAME=VALUE for the pose estimator, such as tags=tags.toml; repeatable."),
+    ] = None,
+    hand_option: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=VALUE for the hand detector, such as tags=hands.toml; repeatable."),
     ] = None,
     calibration: options.Calibration = None,
     separate_hands: Annotated[
@@ -118,7 +124,9 @@ def live(
     kept = None if person is None else PersonFile(person, settings.commitment.adaptation)
     count = _check(camera, calibration)
     poses, objects = _poses_and_objects(poses, objects or [])
-    new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, separate_hands, count)
+    new_hands = None if hands == NOTHING else hand_stages(
+        hands, max_hands, separate_hands, count, parse_options(hand_option or [])
+    )  # fmt: skip
     if poses != NOTHING:
         POSES.check(poses)
     pose_options = parse_options(option or [])

@@ -12,8 +12,8 @@ from igrip.cli import options
 from igrip.cli.console import cluster_page, errors, output, print_json, progress, table_of, warn
 from igrip.cli.estimator_setup import base_config
 from igrip.errors import DatasetError, requires_extra
-from igrip.io.datasets.dataset import Dataset
-from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
+from igrip.io.datasets.shared import open_dataset
+from igrip.lab.evaluation.fingerprint import fingerprint
 from igrip.lab.parallel import Workers
 from igrip.lab.tuning.files import Subject, record_of, write_files
 from igrip.lab.tuning.page import write_page
@@ -63,7 +63,7 @@ def tune(
     with requires_extra("optuna", "tune", "tuning"):
         import optuna  # noqa: F401
     present = base_config(config, targets)
-    opened = Dataset.open(dataset, lenient=True)
+    opened = open_dataset(dataset, lenient=True)
     people = list(dict.fromkeys(participant or people_of(opened)))
     chosen = choose_trials(opened, people, limit)
     if len(chosen) < MIN_REACHES:
@@ -75,7 +75,7 @@ def tune(
     catalog = load_objects(*sources)
     name = hashlib.sha256(fingerprint(opened, [present], sources).encode())
     for trial in chosen:
-        name.update(f"{trial.recording} {recording_stamp(opened, trial)}\n".encode())
+        name.update(f"{trial.recording} {opened.stamp(trial)}\n".encode())
     out.mkdir(parents=True, exist_ok=True)
     storage = open_storage(out / "study.db")
     with errors.status(f"replaying {len(chosen)} trials …"):

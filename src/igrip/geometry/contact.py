@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from igrip.compiled import kernel
+from igrip.entities import Vector
 from igrip.geometry.object_frame import distance, distance2, to_mesh
 from igrip.geometry.packed_models import ModelArrays
 from igrip.mesh.bvh import STACK
@@ -20,7 +21,7 @@ SPHERE_MARGIN = 0.05  # m; further than this from a bounding sphere the sphere s
 def approach(
     models: ModelArrays, model: int, rotation: Array, translation: Array, coefficients: Array,
     reach: float, horizon: float,
-) -> tuple[float, Array]:  # fmt: skip
+) -> tuple[float, Vector]:  # fmt: skip
     """Find when a predicted path first comes within ``reach`` of the surface of one mesh.
 
     Conservative advancement: within a time h the path cannot lead further than
@@ -42,24 +43,22 @@ def approach(
     -------
     time : float
         [s]; NaN if not before the horizon.
-    point : (3,)
-        The nearest surface point then, mesh frame [m].
+    point : 3 floats
+        The nearest surface point then, world frame [m].
     """
-    out = np.empty(4)
-    _approach(
+    found: tuple[float, Vector] = _approach(
         models.boxes, models.links, models.triangles, models.starts[model], models.spheres[model],
-        rotation, translation, coefficients, reach, horizon, out,
+        rotation, translation, coefficients, reach, horizon,
     )  # fmt: skip
-    return float(out[0]), out[1:]
+    return found
 
 
 @kernel
 def _approach(
-    boxes, links, triangles, start, sphere, rotation, translation, coefficients, reach, horizon,
-    out,
+    boxes, links, triangles, start, sphere, rotation, translation, coefficients, reach, horizon
 ):  # fmt: skip
-    """Write time and point of :func:`approach` to ``out``, shape (4,)."""
-    out[0] = np.nan
+    """Return the result of :func:`approach`."""
+    never = (np.nan, (np.nan, np.nan, np.nan))
     stack = np.empty(STACK, dtype=np.int32)
     near_stack = np.empty(STACK)
     counters = np.zeros(3, dtype=np.int64)
@@ -93,8 +92,12 @@ def _approach(
         if left <= TOLERANCE:
             inside = s
             if left >= 0.0 or inside - outside <= 1e-3 * min_step:
-                out[0], out[1], out[2], out[3] = s, x, y, z
-                return
+                for axis in range(3):
+                    world[axis] = (
+                        rotation[axis, 0] * x + rotation[axis, 1] * y + rotation[axis, 2] * z
+                        + translation[axis]
+                    )  # fmt: skip
+                return s, (world[0], world[1], world[2])
         else:
             outside = s
         if inside < np.inf:  # a minimal step led too far in: back to the border
@@ -103,8 +106,8 @@ def _approach(
         # the positive root of |c2| h² + |v| h = left, in the form that loses no digits
         root = speed + np.sqrt(speed * speed + 4.0 * bend * left)
         if not root > 1e-9:
-            return
+            return never
         # a shallow approach would creep, each step a part of the last
         s += max(2.0 * left / root, min_step)
         if not s <= horizon:
-            return
+            return never

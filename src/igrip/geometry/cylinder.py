@@ -75,7 +75,7 @@ class Cylinders(NamedTuple):
 
     def distance(self, o: int, point: Array) -> float:
         """Return how far a point, shape (3,), is outside of cylinder ``o``; 0 inside [m]."""
-        return float(_distance_from(self.rows[o], point))
+        return float(distance_from(self.rows[o], point))
 
 
 @kernel
@@ -103,7 +103,8 @@ def velocity_of(row):
 
 
 @kernel
-def _distance_from(row, point):
+def distance_from(row, point):
+    """Return how far a point, shape (3,), is outside of one cylinder; 0 inside [m]."""
     along = across2 = 0.0
     for axis in range(3):
         along += (point[axis] - row[CENTRE + axis]) * row[AXIS + axis]

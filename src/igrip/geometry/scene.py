@@ -242,10 +242,7 @@ class Scene:
             packed.arrays, packed.number[target.model.name], target.rotation, target.translation,
             hand.coefficients, self._config.contact_distance, self._config.contact_horizon,
         )  # fmt: skip
-        if math.isnan(time):
-            return None
-        x, y, z = target.rotation @ point + target.translation
-        return time, (float(x), float(y), float(z))
+        return None if math.isnan(time) else (time, point)
 
     def impacts(self, hand: Motion, target: PlacedObject) -> tuple[Array, Array]:
         """Cast the rays of one pair again, to be drawn.

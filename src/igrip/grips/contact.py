@@ -31,11 +31,12 @@ Array = NDArray[np.float64]
 WEIGHTS = Path(__file__).with_name("contact.json")
 FORMAT = "igrip-contact/1"
 INPUTS = ("height_now", "height_soon", "height_at_contact", "aside", "descent", "speed_to_go")
+N_INPUTS = len(INPUTS)
 TERMS = (
     "1", *INPUTS, *(f"{a} {b}" for a, b in combinations_with_replacement(INPUTS, 2)),
 )  # fmt: skip
 SOON = 0.3  # s
-MAX_INPUT = 3.0  # bound of all inputs
+MAX_INPUT, MAX_ODDS = 3.0, 50.0  # bounds
 
 
 @kernel
@@ -111,6 +112,22 @@ def pinch_odds(inputs, weights):
     return odds
 
 
+@kernel
+def _mean_pinch(position, velocity, cylinders, weights, objects):
+    """Return the probability of a pinch, over objects with these probabilities."""
+    inputs = np.empty((len(cylinders), N_INPUTS))
+    _approaches(position, velocity, cylinders, inputs)
+    odds = pinch_odds(inputs, weights)
+    total = pinched = 0.0
+    for o in range(len(cylinders)):
+        # it learned from objects that stand: its odds fade as an object is tilted
+        own = odds[o] * axis_of(cylinders[o])[2] ** 2
+        own = min(max(own, -MAX_ODDS), MAX_ODDS)
+        pinched += objects[o] / (1.0 + math.exp(-own))
+        total += objects[o]
+    return pinched / total
+
+
 @cache
 def weights() -> Array:
     """Return the learned weights, in the order of :data:`TERMS`.
@@ -152,13 +169,10 @@ class ContactGrip:
         by_rule = self._paper.select(estimate, geometry, motion)
         if estimate.target is None or estimate.probability is None:
             return by_rule
-        objects = estimate.probability[:-1]
-        cylinders = geometry.cylinders()
-        inputs = approaches(motion.position, motion.velocity, cylinders)
-        # it learned from objects that stand: its odds fade as an object is tilted
-        odds = pinch_odds(inputs, self._weights) * cylinders.axis[:, 2] ** 2
-        pinch = 1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))
-        probability = float(objects @ pinch / objects.sum())
+        probability = _mean_pinch(
+            motion.position, motion.velocity, geometry.cylinders().rows, self._weights,
+            estimate.probability,
+        )  # fmt: skip
         name = by_rule.name
         if max(probability, 1.0 - probability) >= self._sure:
             name = "pinch" if probability >= 0.5 else "palmar"

@@ -80,6 +80,7 @@ class ObjectTrack:
     def _reset(self) -> None:
         self._filter = PoseFilter(self._config.position, self._config.orientation)
         self._path: deque[tuple[float, float, float, float]] = deque()
+        self._bounds: tuple[Vector, Vector] | None = None  # hold the path, and maybe more
 
     @property
     def reason(self) -> str | None:
@@ -135,6 +136,9 @@ class ObjectTrack:
         path.append((t, *position))
         while t - path[0][0] > PATH_SPAN:
             path.popleft()
+        x, y, z = position
+        (a, b, c), (d, e, f) = self._bounds or (position, position)
+        self._bounds = (min(a, x), min(b, y), min(c, z)), (max(d, x), max(e, y), max(f, z))
 
     @property
     def path(self) -> Array | None:
@@ -142,11 +146,19 @@ class ObjectTrack:
 
         None for an object that stands still.
         """
-        if self._static or len(self._path) < 2:
+        if self._static or not self._extends():
             return None
         path = np.array(self._path)
-        moved = np.ptp(path[:, 1:], axis=0).max() > self._config.rest_distance
-        return path if moved else None
+        low, high = path[:, 1:].min(axis=0).tolist(), path[:, 1:].max(axis=0).tolist()
+        self._bounds = tuple(low), tuple(high)  # no longer of places that are forgotten since
+        return path if self._extends() else None
+
+    def _extends(self) -> bool:
+        """Whether the bounds are wider than an object that stands still is seen to move."""
+        if self._bounds is None:
+            return False
+        (a, b, c), (d, e, f) = self._bounds
+        return max(d - a, e - b, f - c) > self._config.rest_distance
 
     def miss(self, now: float, reason: str | None = None) -> None:
         """Note that the object was looked for and not detected, and why, if that is known.

@@ -16,10 +16,15 @@ METRICS = ("impacts", "distance_derivative", "distance", "future_distance")
 
 
 @kernel
-def add(part: Scores, weight: float, total: Scores) -> None:
-    """Add ``weight`` times the part to the total, in place."""
-    for o in range(len(total)):
-        total[o] += weight * part[o]
+def weighted_sum(
+    a: Scores, b: Scores, c: Scores, d: Scores, weights: tuple[float, float, float, float]
+) -> Scores:
+    """Return the weighted sum of four arrays."""
+    first, second, third, fourth = weights
+    scores = np.empty(len(a))
+    for o in range(len(scores)):
+        scores[o] = first * a[o] + second * b[o] + third * c[o] + fourth * d[o]
+    return scores
 
 
 Weights = tuple[float, float]
@@ -46,9 +51,9 @@ class WeightedCues:
         by_order = self._weights(motion.speed, motion.window_peak_speed)
         weights = [by_order[metric.order] for metric in self._cues]
         total = sum(weights)
-        scores = np.zeros(len(geometry.objects))
-        for metric, weight in zip(self._cues, weights, strict=True):
-            add(cues[metric.name], weight / total, scores)
+        scores: Scores = weighted_sum(
+            *[cues[name] for name in METRICS], tuple([weight / total for weight in weights])
+        )
         return TargetEstimate(best_of(scores), scores)
 
 

@@ -13,6 +13,7 @@ from igrip import Config, Estimator, Observation, load_objects
 from igrip.errors import UnknownNameError
 from igrip.intention import Commitment, Intention
 from igrip.io.datasets.dataset import Trial
+from igrip.lab.benchmark import run as run_module
 from igrip.lab.benchmark.entries import Answers, EntryError, parse_entry
 from igrip.lab.benchmark.run import run_entry
 from igrip.lab.benchmark.score import score_recording
@@ -87,14 +88,26 @@ def test_entries_of_every_kind_give_the_same_numbers(judged, here):
     assert all(row["success"] for row in found[0])
 
 
-def test_what_is_done_is_not_done_again(judged, here):
+def test_what_is_done_is_not_done_again_unless_the_entry_changed(judged, here, monkeypatch):
     first = rows_of("mine=my_entry:Mine", judged, here)
-    (here / "my_entry.py").write_text("raise SystemExit")
-    assert rows_of("mine=my_entry:Mine", judged, here) == first
-    path = next(here.glob("rows-*.jsonl"))
+    path = here / "rows-small-mine.jsonl"
     path.write_text(path.read_text()[:-40])  # cut short
+    asked = []
+    answer = run_module._answer
+
+    def note(entry, dataset, catalog, trial):
+        asked.append(trial.recording)
+        return answer(entry, dataset, catalog, trial)
+
+    monkeypatch.setattr(run_module, "_answer", note)
     again = rows_of("mine=my_entry:Mine", judged, here)
     assert [row["success"] for row in again] == [row["success"] for row in first]
+    assert asked == [judged.trials[-1].recording]
+    assert rows_of("mine=my_entry:Mine", judged, here) == again
+    assert len(asked) == 1
+    (here / "my_entry.py").write_text(MODULE + "# changed\n")
+    rows_of("mine=my_entry:Mine", judged, here)
+    assert len(asked) == 1 + len(judged.trials)
 
 
 @pytest.mark.parametrize(("text", "words"), [

@@ -8,7 +8,7 @@ import trimesh
 from igrip import Config
 from igrip.io.datasets.dataset import Dataset
 from igrip.lab.evaluation import fingerprint as module
-from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
+from igrip.lab.evaluation.fingerprint import fingerprint
 from igrip.objects import mesh_folder
 
 CONFIGS = (Config(targets="paper"),)
@@ -105,11 +105,11 @@ def test_the_version(small_dataset, package, monkeypatch):
 
 def test_stamp_of_a_recording(small_dataset):
     first, second = small_dataset.trials
-    before = recording_stamp(small_dataset, first)
-    assert before == recording_stamp(small_dataset, first)
+    before = small_dataset.stamp(first)
+    assert before == small_dataset.stamp(first)
     path = small_dataset.recording(first)
     path.write_bytes(path.read_bytes()[:-1])
-    assert recording_stamp(small_dataset, first) not in (before, None)
+    assert small_dataset.stamp(first) not in (before, None)
     path.unlink()
-    assert recording_stamp(small_dataset, first) is None
-    assert recording_stamp(small_dataset, second) is not None
+    assert small_dataset.stamp(first) is None
+    assert small_dataset.stamp(second) is not None

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import json
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -92,6 +94,22 @@ class Entry:
             raise EntryError(f"{self.name}: {error}") from error
         except Exception as error:
             raise EntryError(f"{self.name}: {error!r:.300}") from error
+
+    def digest(self) -> str:
+        """Return what changes when the entry does, as far as its own files show it."""
+        found = hashlib.sha256(f"{self.how} {self.source}".encode())
+        for path in self._files():
+            found.update(path.read_bytes())
+        return found.hexdigest()[:16]
+
+    def _files(self) -> Iterator[Path]:
+        if self.how == "python":
+            module = importlib.import_module(self.source.partition(":")[0])
+            if module.__file__:
+                yield Path(module.__file__)
+        elif self.how == "program":  # the program, and the files that its command names
+            program, *words = shlex.split(self.source)
+            yield from (Path(w) for w in (shutil.which(program) or "", *words) if Path(w).is_file())
 
     def _estimator(self, catalog: Catalog) -> EntryEstimator:
         if self.how == "targets":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,7 +12,8 @@ from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.lab.benchmark.entries import Entry, EntryError
 from igrip.lab.benchmark.score import Row, score_recording
 from igrip.lab.benchmark.sets import BenchmarkSet
-from igrip.lab.evaluation.fingerprint import recording_stamp
+from igrip.lab.evaluation.fingerprint import fingerprint
+from igrip.lab.evaluation.kept_rows import KeptRows
 from igrip.lab.evaluation.recorded_trial import RecordedTrial
 from igrip.lab.evaluation.runner import shift_trial
 from igrip.lab.parallel import Workers
@@ -25,39 +25,30 @@ def run_entry(
 ) -> Iterator[Row]:
     """Yield the scores of an entry in each trial of a set, in order.
 
-    ``rows-SET-ENTRY.jsonl`` in the folder ``out`` holds what is done; the trials whose recordings
-    are unchanged are not run again. Remove it after a change of the entry itself.
+    ``rows-SET-ENTRY.jsonl`` in the folder ``out`` holds what is done; trials whose recordings are
+    unchanged are not run again, unless the tables, meshes, igrip or the entry's own files changed.
 
     Raises
     ------
     EntryError
         If the entry fails: one that cannot answer every recording is not in the table.
     """
-    path = out / f"rows-{judged.name}-{entry.name}-{zlib.crc32(entry.source.encode()):08x}.jsonl"
-    stamps = {t.recording: recording_stamp(judged.dataset, t) for t in judged.trials}
-    done = _done(path, stamps)
-    left = [trial for trial in judged.trials if trial.recording not in done]
-    found = workers.map(partial(_answer, entry, judged.dataset, catalog), left)
-    with path.open("w", encoding="utf-8") as file:
-        for trial in judged.trials:
-            row = done.get(trial.recording) or next(found)
-            row |= {"set": judged.name, "entry": entry.name, "stamp": stamps[trial.recording]}
-            file.write(json.dumps(row, allow_nan=False) + "\n")
-            file.flush()
-            yield row
-
-
-def _done(path: Path, stamps: dict[str, str | None]) -> dict[str, Row]:
-    """Return the rows of an earlier run whose recordings are as they were."""
-    rows: dict[str, Row] = {}
-    try:
-        for line in path.read_text(encoding="utf-8").splitlines():
-            row = json.loads(line)
-            if stamps.get(row["recording"]) == row["stamp"]:
-                rows[row["recording"]] = row
-    except (OSError, ValueError, KeyError):
-        pass  # there is none, or its last line was cut off
-    return rows
+    dataset, trials = judged.dataset, judged.trials
+    key = f"{fingerprint(dataset, [], dataset.objects)}-{entry.digest()}"
+    header = json.dumps({"benchmark": key}).encode() + b"\n"
+    kept = KeptRows(out / f"rows-{judged.name}-{entry.name}.jsonl", header)
+    stamps = [dataset.stamp(trial) for trial in trials]
+    kept.resume(
+        lambda k, rows: 0 <= k < len(trials) and len(rows) == 1
+        and (rows[0].get("recording"), rows[0].get("stamp")) == (trials[k].recording, stamps[k])
+    )  # fmt: skip
+    left = [trial for k, trial in enumerate(trials) if k not in kept]
+    found = workers.map(partial(_answer, entry, dataset, catalog), left)
+    for k, stamp in enumerate(stamps):
+        if k not in kept:
+            own = {"row": k, "set": judged.name, "entry": entry.name, "stamp": stamp}
+            kept.add(k, [own | next(found)])
+        yield from kept.read([k])
 
 
 def _answer(entry: Entry, dataset: Dataset, catalog: Catalog, trial: Trial) -> Row:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from igrip.errors import DatasetError, UnknownNameError
 from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.shared import address_of, open_dataset
 from igrip.lab.benchmark.entries import NAME
 from igrip.lab.evaluation.runner import spread
 
@@ -82,7 +83,7 @@ def open_set(name: str, folder: Path) -> BenchmarkSet:
     DatasetError
         If the folder is no dataset, or nobody in it is judged.
     """
-    dataset = Dataset.open(folder, lenient=True)
+    dataset = open_dataset(folder, lenient=True)
     if name not in DECLARED:
         return BenchmarkSet(name, dataset, dataset.trials, "everybody")
     trials = [trial for trial in dataset.trials if is_judged(trial.participant)]
@@ -109,6 +110,8 @@ def parse_set(text: str) -> tuple[str, Path]:
     name = name if equals else path.resolve().name
     if NAME.fullmatch(name) is None:
         raise DatasetError(f"{name!r:.60}: a set's name has letters, digits, - and _")
+    if address_of(path) is not None:
+        return name, path
     if not path.is_dir():
         raise DatasetError(f"{path}: there is no such folder; give NAME=FOLDER")
     if not (path / DESCRIPTION).is_file() and name not in DECLARED:

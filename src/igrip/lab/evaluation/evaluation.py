@@ -9,7 +9,7 @@ from pathlib import Path
 
 from igrip.config import Config
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.lab.evaluation.fingerprint import fingerprint, recording_stamp
+from igrip.lab.evaluation.fingerprint import fingerprint
 from igrip.lab.evaluation.kept_rows import KeptRows
 from igrip.lab.evaluation.runner import run_trials
 from igrip.lab.evaluation.trial_rows import Row, score_run
@@ -50,7 +50,7 @@ class Evaluation:
         self._chosen = [number[id(trial)] for trial in trials]
         left = [k for k in self._chosen if k not in self._kept]
         # taken before a recording is read: one that changes meanwhile is read again next time
-        stamps = {k: recording_stamp(self._dataset, self._dataset.trials[k]) for k in left}
+        stamps = {k: self._dataset.stamp(self._dataset.trials[k]) for k in left}
         finished = len(self._chosen) - len(left)
         yield finished
         results = run_trials(
@@ -67,5 +67,5 @@ class Evaluation:
         """Return whether rows of an earlier run are complete and of the recording as it is."""
         if not 0 <= k < len(self._dataset.trials) or len(rows) != len(self._configs):
             return False
-        stamp = recording_stamp(self._dataset, self._dataset.trials[k])
+        stamp = self._dataset.stamp(self._dataset.trials[k])
         return all(row.get("stamp") == stamp for row in rows)

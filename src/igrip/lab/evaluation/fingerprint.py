@@ -7,8 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from igrip.config import Config
-from igrip.errors import IgripError
-from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.dataset import Dataset
 from igrip.objects.catalog import YCB
 from igrip.objects.mesh_files import MeshFile
 from igrip.objects.mesh_folder import folder_meshes, ycb_meshes
@@ -20,7 +19,7 @@ PACKAGE = Path(__file__).parents[2]
 def fingerprint(dataset: Dataset, configs: Sequence[Config], objects: Sequence[str]) -> str:
     """Return a digest of the tables, the configurations, the meshes, the code and its weights.
 
-    Recordings are not part of it (:func:`recording_stamp`); ``objects`` are sources as
+    Recordings are not part of it (:meth:`Dataset.stamp`); ``objects`` are sources as
     :func:`igrip.load_objects` accepts them.
     """
     digest = hashlib.sha256(__version__.encode())
@@ -42,12 +41,3 @@ def _meshes(source: str) -> Iterable[MeshFile]:
     if source == YCB:
         return ycb_meshes()
     return folder_meshes(Path(source)) if Path(source).is_dir() else ()
-
-
-def recording_stamp(dataset: Dataset, trial: Trial) -> str | None:
-    """Return what changes when a recording does; None where there is none."""
-    try:
-        status = dataset.recording(trial).stat()
-    except (IgripError, OSError):
-        return None
-    return f"{status.st_size}-{status.st_mtime_ns}"

@@ -31,15 +31,22 @@ TIME_CONSTANT = 0.2  # s; memory of the mean over a movement; guess
 
 
 @kernel
-def _distance(shared, columns, centre, precision):
-    """Return the Mahalanobis distance of the features of one frame."""
+def _p_value(shared, columns, centre, precision, distances):
+    """Return the result of :meth:`FamiliarMovements.p_value`."""
     total = 0.0
     for i in range(len(columns)):
         row = 0.0
         for j in range(len(columns)):
             row += precision[i, j] * (shared[columns[j]] - centre[j])
         total += row * (shared[columns[i]] - centre[i])
-    return math.sqrt(max(total, 0.0))
+    distance = math.sqrt(max(total, 0.0))
+    above = np.searchsorted(distances, distance, side="right")
+    if above == 0:
+        return 1.0
+    if above == len(distances):
+        return 0.0
+    part = (distance - distances[above - 1]) / (distances[above] - distances[above - 1])
+    return 1.0 - (above - 1 + part) / (len(distances) - 1)
 
 
 class FamiliarMovements(NamedTuple):
@@ -65,9 +72,8 @@ class FamiliarMovements(NamedTuple):
         shared : (s,)
             As :class:`igrip.targets.learned.features.Features` has them.
         """
-        distance = _distance(shared, COLUMNS, self.centre, self.precision)
-        below = np.interp(distance, self.distances, np.linspace(0.0, 1.0, len(self.distances)))
-        return 1.0 - float(below)
+        p_value: float = _p_value(shared, COLUMNS, self.centre, self.precision, self.distances)
+        return p_value
 
 
 @cache

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from igrip.compiled import kernel
 from igrip.errors import IgripError
-from igrip.geometry.cylinder import Cylinders
+from igrip.geometry.cylinder import Cylinders, distance_from
 from igrip.learned_weights import numbers, read_learned
 from igrip.motion.trajectory import Motion
 from igrip.targets.learned.features import LOCAL, SHARED, features_of
@@ -52,7 +52,10 @@ class Prediction(NamedTuple):
 
     def after(self, seconds: float) -> Prediction:
         """Return the same seen from a later moment; never negative."""
-        return Prediction(*(max(0.0, time - seconds) for time in self))
+        low, median, high = self
+        return Prediction(
+            max(0.0, low - seconds), max(0.0, median - seconds), max(0.0, high - seconds)
+        )
 
 
 class Timing(NamedTuple):
@@ -63,9 +66,18 @@ class Timing(NamedTuple):
 
 
 @kernel
-def _evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, outputs):
-    """Write the logarithms of the six quantiles."""
-    outputs[:] = out_bias
+def _arrange(local, shared, elapsed, cylinder, position, inputs):
+    """Write the result of :func:`timing_inputs`."""
+    inputs[: len(local)] = local
+    inputs[len(local) : -2] = shared
+    inputs[-2] = math.log(elapsed + MIN_ELAPSED)
+    inputs[-1] = math.log(distance_from(cylinder, position) + MIN_DISTANCE)
+
+
+@kernel
+def _evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias):
+    """Return the quantiles of both times, sorted [s]."""
+    outputs = out_bias.copy()
     for h in range(len(bias)):
         total = bias[h]
         for i in range(len(inputs)):
@@ -74,6 +86,17 @@ def _evaluate(inputs, mean, scale, hidden, bias, out_weights, out_bias, outputs)
         unit = math.tanh(total)
         for k in range(len(outputs)):
             outputs[k] += unit * out_weights[h, k]
+    return (
+        _in_order(outputs[0], outputs[1], outputs[2]), _in_order(outputs[3], outputs[4], outputs[5])
+    )  # fmt: skip
+
+
+@kernel
+def _in_order(a, b, c):
+    """Return the times of three logarithms, the shortest first: quantiles may cross."""
+    low, high = min(a, b), max(a, b)
+    middle = min(max(low, c), high)
+    return math.exp(min(low, c)), math.exp(middle), math.exp(max(high, c))
 
 
 def timing_inputs(motion: Motion, target: Cylinders) -> Array:
@@ -86,10 +109,10 @@ def timing_inputs(motion: Motion, target: Cylinders) -> Array:
     target : Cylinders
         The one cylinder of its target.
     """
-    features = features_of(motion.reach, target)
-    elapsed, distance = motion.reach.elapsed, target.distance(0, motion.position)
-    tail = [math.log(elapsed + MIN_ELAPSED), math.log(distance + MIN_DISTANCE)]
-    return np.concatenate([features.local[0], features.shared, tail])
+    features, inputs = features_of(motion.reach, target), np.empty(len(INPUTS))
+    elapsed = motion.reach.elapsed
+    _arrange(features.local[0], features.shared, elapsed, target.rows[0], motion.position, inputs)
+    return inputs
 
 
 class TimingModel(NamedTuple):
@@ -118,9 +141,7 @@ class TimingModel(NamedTuple):
 
     def evaluate(self, inputs: Array) -> Timing:
         """Return the times from the inputs, shape (i,)."""
-        outputs = np.empty(2 * len(QUANTILES))
-        _evaluate(inputs, *self, outputs)
-        contact, end = np.sort(np.exp(outputs).reshape(2, -1), axis=1).tolist()
+        contact, end = _evaluate(inputs, *self)
         return Timing(Prediction(*contact), Prediction(*end))
 
 
