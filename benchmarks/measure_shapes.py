@@ -33,10 +33,9 @@ KINDS = {
     "mug, cup": ("025_mug", "065-d_cups", "065-f_cups", "065-h_cups"),
     "bowl": ("024_bowl",),
     "box": ("003_cracker_box", "004_sugar_box", "009_gelatin_box", "008_pudding_box",
-            "036_wood_block", "061_foam_brick"),
+            "036_wood_block", "061_foam_brick", "010_potted_meat_can"),
     "bottle": ("006_mustard_bottle", "021_bleach_cleanser"),
-    "can": ("002_master_chef_can", "005_tomato_soup_can", "007_tuna_fish_can",
-            "010_potted_meat_can"),
+    "can": ("002_master_chef_can", "005_tomato_soup_can", "007_tuna_fish_can"),
     "fruit": ("013_apple", "014_lemon", "015_peach", "016_pear", "017_orange", "018_plum"),
 }  # fmt: skip
 ROUND, NO_AXIS = ("mug, cup", "bowl", "can"), ("fruit",)
