@@ -113,14 +113,15 @@ def main() -> int:
     began = time.perf_counter()
     print("| arm | camera | within 25 mm | off, p50 / p95 | hands too many |")
     print("| --- | --- | --- | --- | --- |")
-    every, frames = [], 0
+    every, frames, extra = [], 0, 0
     for kind in KINDS:
         for view in VIEWS:
             result = rendered(kind, view, asked.frames)
             every.append(result.off)
             frames += result.frames
+            extra += result.extra
             print(f"| {kind} | {view[0]:.0f}° | {result.row()} |", flush=True)
-    total = Result(np.concatenate(every), frames, 0)
+    total = Result(np.concatenate(every), frames, extra)
     print(f"| all | | {total.row()} |")
     if asked.film is not None:
         detector = MediaPipeHands()

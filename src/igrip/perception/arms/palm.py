@@ -31,7 +31,7 @@ TO_WRIST = 0.043  # from the palm's centre to where the arm is so narrow [m]; do
 SKIN = 0.010  # the palm lies so far behind what is seen: cloth and half a hand [m]; docs/hands.md
 CUFF = 1.08  # a cuff is so many times as broad as the wrist before it, at least; guess
 CUFFED, TO_CUFF = (0.07, 0.17), 0.022  # where that wrist may be, and from it to the palm [m]; guess
-STD, STD_SHAPELESS = 0.010, 0.020  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
+STD, STD_SHAPELESS = 0.020, 0.030  # of a palm by its shape, and by the tip alone [m]; docs/hands.md
 
 
 class ArmEnd(NamedTuple):

@@ -14,7 +14,7 @@ from igrip.lab.rendering.scene import random_scene
 from igrip.objects.catalog import Catalog
 from igrip.perception.hand_ids import HandIdConfig, HandIdTracker, PalmMeasurement
 from igrip.perception.hands import HANDS, HandDetector, new_detector
-from igrip.perception.palms import measure_palm
+from igrip.perception.hands._palms import measure_palm
 from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects
 from igrip.perception.poses import POSES, PoseEstimator
 from igrip.rgbd import RgbdFrame
