@@ -177,10 +177,13 @@ def object_stages(
     """
     new_estimator = POSES.get(name)
     visibility = CrossCameraVisibility()
-    first = [new_estimator(catalog, options)]  # so that wrong options are reported now
+    first = new_estimator(catalog, options)  # so that wrong options are reported now
+    unused = [first]
+    # one that names things itself shares what it knows with those of other cameras
+    sibling = getattr(first, "sibling", lambda: new_estimator(catalog, options))
 
     def new_stage() -> ObjectStage:
-        return ObjectStage(first.pop() if first else new_estimator(catalog, options), visibility)
+        return ObjectStage(unused.pop() if unused else sibling(), visibility)
 
     return new_stage
 
