@@ -20,7 +20,8 @@ from typing import Annotated
 import typer
 
 from igrip.config import Config
-from igrip.io.datasets.dataset import Dataset, DatasetWriter
+from igrip.io.datasets.dataset import Dataset
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.lab.evaluation.evaluation import Evaluation
 from igrip.lab.parallel import ALONE, Workers
 from igrip.lab.simulation.cohort import simulate_cohort

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from igrip import Observation
-from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.lab.simulation.minimum_jerk import reach
 
 MESH = "cylinder:0.03x0.12"

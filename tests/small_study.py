@@ -1,11 +1,14 @@
-"""A small study for the tests, and a recorder that only writes what it is told."""
+"""A small study for the tests, with a recorder and an observer that do what they are told."""
 
 from __future__ import annotations
 
+import queue
 import re
 
+from igrip.entities import Hand, ObjectPose
 from igrip.errors import RecordingError
 from igrip.experiment.folder import StudyFolder, new_study
+from igrip.observation import Observation
 
 
 def small_study(path, **changes):
@@ -53,3 +56,30 @@ class FakeRecorder:
 
     def close(self):
         pass
+
+
+class FakeObserver:
+    """Yields what the test puts; raises what it puts that is an error."""
+
+    def __init__(self):
+        self.queue = queue.SimpleQueue()
+
+    def put(self, one):
+        self.queue.put(one)
+
+    def __iter__(self):
+        while (one := self.queue.get()) is not None:
+            if isinstance(one, Exception):
+                raise one
+            yield one
+
+    def close(self):
+        self.queue.put(None)
+
+
+def observation(t, model="005_tomato_soup_can"):
+    return Observation(
+        t=t, hands={"right": Hand(position=(0.1, 0.2, t)), "left": None},
+        objects={"object_7": ObjectPose(position=(0, 0.4, 0), orientation=(0, 0, 0, 1),
+                                        model=model)},
+    )  # fmt: skip

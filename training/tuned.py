@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from igrip.config import Config
-from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.lab.tuning.front import point
 from igrip.lab.tuning.outcomes import Outcomes, outcome
 from igrip.lab.tuning.replays import Replays

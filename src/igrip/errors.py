@@ -76,6 +76,10 @@ class UnknownNameError(IgripError, ValueError):
         return type(self), (self.family, self.name, self.choices)
 
 
+class StorageError(IgripError, OSError):
+    """Shared storage does not answer as it should: no fault of a recording, and worth a retry."""
+
+
 class RecordingError(IgripError, ValueError):
     """A recording cannot be read; the message names the file and the line."""
 

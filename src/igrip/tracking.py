@@ -118,6 +118,8 @@ class Tracker:
 
     def _update_objects(self, observation: Observation) -> None:
         dropped = 0
+        # a mesh that changes while a hand reaches for it would make distances jump
+        calm = all(hand.status != "reaching" for hand in self.hands.values())
         # by id: which objects find room must not depend on their order in the message
         for id, pose in sorted(observation.objects.items()):
             if pose is None:
@@ -128,6 +130,8 @@ class Tracker:
             if track is None:
                 dropped += 1
                 continue
+            if calm and track.model is not None:
+                track.renew_model()
             track.update(observation.t, pose)
             self._placed.pop(id, None)
         if observation.objects:

@@ -23,7 +23,8 @@ from igrip.cli import console, outputs
 from igrip.cli.app import COMMANDS, app, target_of
 from igrip.errors import did_you_mean
 from igrip.experiment.folder import new_study
-from igrip.io.datasets.dataset import DatasetWriter, Trial
+from igrip.io.datasets.dataset import Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.io.recordings.jsonl import JsonlWriter
 from igrip.lab import parallel
 from igrip.objects.catalog import Catalog
@@ -367,7 +368,7 @@ def restored_interrupts():
          "igrip.lab.evaluation.runner.EstimatorRun.update",
          "what is done is kept in report; the same command goes on from there"),
         (["simulate", *ARGUMENTS["simulate"]], "igrip.lab.simulation.cohort.perform",
-         "an unfinished dataset is not kept; the same command starts again"),
+         "what is done is kept; the same command goes on from there"),
         (["check", "small"], "igrip.cli.check.check_trial", "nothing was written"),
     ],
     ids=lambda a: a[0] if isinstance(a, list) else None,
@@ -400,10 +401,8 @@ def test_the_signal_itself_ends_a_command_in_one_line(tmp_path):
     assert process.returncode == 130
     assert output == ""
     lines = errors.splitlines()
-    assert lines == [
-        "igrip: stopped; an unfinished dataset is not kept; the same command starts again"
-    ]
-    assert list(tmp_path.iterdir()) == []
+    assert lines == ["igrip: stopped; what is done is kept; the same command goes on from there"]
+    assert [path.name for path in tmp_path.iterdir()] == [".cohort-unfinished"]
 
 
 def test_other_processes_leave_ctrl_c_to_the_first():

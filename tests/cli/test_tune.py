@@ -16,7 +16,8 @@ from igrip import Observation
 from igrip.cli.app import app
 from igrip.config import Config
 from igrip.io.config_file import read_config
-from igrip.io.datasets.dataset import DatasetWriter, Trial
+from igrip.io.datasets.dataset import Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.lab.simulation.minimum_jerk import reach
 
 

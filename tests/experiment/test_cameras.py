@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import queue
 import urllib.error
 import urllib.request
 from contextlib import closing
 
 import pytest
 
-from igrip.entities import Hand, ObjectPose
 from igrip.errors import CameraError
 from igrip.experiment.cameras import MAX_AGE, CameraRecorder, TappedCamera
 from igrip.experiment.conductor import Conductor
@@ -18,38 +16,10 @@ from igrip.experiment.screens import Screens
 from igrip.experiment.session import Session
 from igrip.experiment.study import StudyError, read_instructions
 from igrip.io.recordings import open_source
-from igrip.observation import Observation
 from live_fakes import Clock as FrameClock
 from live_fakes import FakeCamera, frame
 from runtime_fakes import PATIENCE, Clock, until
-from small_study import FakeRecorder, small_study
-
-
-class FakeObserver:
-    """Yields what the test puts; raises what it puts that is an error."""
-
-    def __init__(self):
-        self.queue = queue.SimpleQueue()
-
-    def put(self, one):
-        self.queue.put(one)
-
-    def __iter__(self):
-        while (one := self.queue.get()) is not None:
-            if isinstance(one, Exception):
-                raise one
-            yield one
-
-    def close(self):
-        self.queue.put(None)
-
-
-def observation(t, model="005_tomato_soup_can"):
-    return Observation(
-        t=t, hands={"right": Hand(position=(0.1, 0.2, t)), "left": None},
-        objects={"object_7": ObjectPose(position=(0, 0.4, 0), orientation=(0, 0, 0, 1),
-                                        model=model)},
-    )  # fmt: skip
+from small_study import FakeObserver, FakeRecorder, observation, small_study
 
 
 class Setup:

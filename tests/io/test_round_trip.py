@@ -11,7 +11,8 @@ import pytest
 import mocap_files
 from igrip import Config, Observation, load_objects
 from igrip.io.column_map import read_column_map
-from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import ImportFiles
 from igrip.io.mapped_import import ColumnMapImporter

@@ -25,6 +25,7 @@ from igrip.intention import Intention
 from igrip.io.person_file import PersonFile
 from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
+from igrip.objects.mesh_writer import models_beside, write_models
 from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
@@ -49,10 +50,15 @@ def live(
         typer.Option(help="oak, realsense, webcam:0, replay:FILE.mcap, rendered; several joined by "
                      "+, as in oak:ID1+oak:ID2."),
     ] = "oak",
-    hands: Annotated[str, typer.Option(help="Hand detector; none: no hands.")] = "mediapipe",
+    hands: Annotated[
+        str, typer.Option(help="Hand detector: auto, mediapipe, depth, tags; none: no hands.")
+    ] = "mediapipe",
     poses: Annotated[
-        str, typer.Option(help="Pose estimator: depth, tags, cosypose; none: no objects.")
-    ] = "depth",
+        str,
+        typer.Option(help="Pose estimator: auto (known things by name, others as object_1 …), "
+                     "depth, shapes, tags, cosypose; none: no objects. --objects NAME does the "
+                     "same."),
+    ] = "auto",
     objects: options.Objects = None,
     model: Annotated[
         list[str] | None,
@@ -62,6 +68,10 @@ def live(
     option: Annotated[
         list[str] | None,
         typer.Option(help="NAME=VALUE for the pose estimator, such as tags=tags.toml; repeatable."),
+    ] = None,
+    hand_option: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=VALUE for the hand detector, such as tags=hands.toml; repeatable."),
     ] = None,
     calibration: options.Calibration = None,
     separate_hands: Annotated[
@@ -114,7 +124,9 @@ def live(
     kept = None if person is None else PersonFile(person, settings.commitment.adaptation)
     count = _check(camera, calibration)
     poses, objects = _poses_and_objects(poses, objects or [])
-    new_hands = None if hands == NOTHING else hand_stages(hands, max_hands, separate_hands, count)
+    new_hands = None if hands == NOTHING else hand_stages(
+        hands, max_hands, separate_hands, count, parse_options(hand_option or [])
+    )  # fmt: skip
     if poses != NOTHING:
         POSES.check(poses)
     pose_options = parse_options(option or [])
@@ -161,6 +173,8 @@ def live(
         stack.callback(problems.print_new)
         if kept is not None:
             stack.callback(kept.keep)
+        if record is not None:
+            stack.callback(lambda: write_models(models_beside(record), known.put_models))
         with until_interrupted():
             _run(loop, pipeline, viewer, seconds, problems, kept, quiet=as_json)
     report = loop.status()
@@ -193,11 +207,11 @@ def _output(name: str) -> Callable[[Options], Output]:
 
 
 def _poses_and_objects(poses: str, objects: list[str]) -> tuple[str, list[str]]:
-    """Return the pose estimator and where models come from; ``--objects`` once named the former."""
+    """Return the pose estimator and where models come from; ``--objects`` may name the former."""
     for name in (*POSES.names(), NOTHING):
-        if objects == [name]:
+        if name in objects:
             warn(f"--objects {name}: the pose estimator is --poses {name} now")
-            return name, []
+            return name, [source for source in objects if source != name]
     return poses, objects
 
 

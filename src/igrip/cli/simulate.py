@@ -9,7 +9,6 @@ import typer
 
 from igrip.cli import options
 from igrip.cli.console import (
-    NOT_KEPT,
     cluster_page,
     interruptible,
     output,
@@ -21,6 +20,8 @@ from igrip.lab.parallel import Workers
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import PROFILES, checksum, cohort_parameters
 from igrip.objects.catalog import load_objects
+
+KEPT = "what is done is kept; the same command goes on from there"
 
 
 def simulate(
@@ -43,13 +44,15 @@ def simulate(
 ) -> None:
     """Simulate the paper's protocol: people × 128 trials × 2 cameras, in random order.
 
+    An interrupted simulation continues where it stopped when the command is run again.
+
     Every effect size and its source are listed in igrip/lab/simulation/parameters.py.
 
     Example: igrip simulate cohort --participants 11 --seed 0
     """
     parameters, catalog = cohort_parameters(profile), load_objects("ycb")
     done = 0
-    with interruptible(NOT_KEPT), progress(f"simulating {out.name}") as update:
+    with interruptible(KEPT), progress(f"simulating {out.name}") as update:
         for done, total in simulate_cohort(
             out,
             catalog,

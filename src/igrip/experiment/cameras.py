@@ -11,10 +11,12 @@ from typing import Any, Protocol
 from igrip.entities import ObjectPose
 from igrip.errors import CameraError, IgripError
 from igrip.experiment.camera_pictures import camera_picture
+from igrip.experiment.live_predictions import LivePredictions
 from igrip.experiment.plan import PlannedTrial
 from igrip.experiment.study import Study, StudyError
 from igrip.io.mcap.frame_recorder import FrameRecorder
 from igrip.io.mcap.writer import McapWriter
+from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 from igrip.perception.cameras import Camera
 from igrip.rgbd import RgbdFrame
@@ -79,6 +81,8 @@ class CameraRecorder:
         Their cameras, to keep the pictures; those that are missing keep none.
     clock : function
         Monotonic time [s].
+    catalog : Catalog, optional
+        With the study's models, for its predictions.
 
     Raises
     ------
@@ -89,13 +93,16 @@ class CameraRecorder:
     def __init__(
         self, study: Study, observers: Mapping[str, Observer],
         taps: Mapping[str, TappedCamera] | None = None,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] = time.monotonic, catalog: Catalog | None = None,
     ) -> None:  # fmt: skip
         missing = [name for name in study.cameras if name not in observers]
         if missing:
             raise StudyError(f"camera {missing[0]}: give its address, --camera {missing[0]}=oak:ID")
         self._study, self._taps, self._clock = study, taps or {}, clock
-        self._one = {name: _One(study, observers[name], clock) for name in study.cameras}
+        self._one = {
+            name: _One(study, observers[name], LivePredictions(study, catalog), clock)
+            for name in study.cameras
+        }
 
     def seen(self) -> Mapping[str, bool]:
         """Return for each camera whether it sees both hands and all objects."""
@@ -149,8 +156,11 @@ class CameraRecorder:
 class _One:
     """One camera: its observer's thread, and the file that is open."""
 
-    def __init__(self, study: Study, observer: Observer, clock: Callable[[], float]) -> None:
-        self._observer, self._clock = observer, clock
+    def __init__(
+        self, study: Study, observer: Observer, predictions: LivePredictions,
+        clock: Callable[[], float],
+    ) -> None:  # fmt: skip
+        self._observer, self._predictions, self._clock = observer, predictions, clock
         self._ids = {one.model: id for id, one in study.objects.items()}
         self._known: dict[str, str] = {}  # ids of the observer to those of the study
         self.seen_at: dict[str, float] = {}
@@ -181,10 +191,13 @@ class _One:
         for id, entity in (*named.hands.items(), *named.objects.items()):
             if entity is not None:
                 self.seen_at[id] = now
+        said = self._predictions.of(named)  # between trials too: it knows the hands by their start
         with self._lock:
             self._t = named.t
             if self._writer is not None:
                 self._writer.write(named)
+                for intention in said:
+                    self._writer.write(intention)
 
     def _named(
         self, objects: Iterable[tuple[str, ObjectPose | None]]

@@ -79,4 +79,4 @@ def open_recorder(
         name: Pipeline(tap, hand_stages(hands, 2, False, 1), new_objects)
         for name, tap in taps.items()
     }
-    return CameraRecorder(study, pipelines, taps)
+    return CameraRecorder(study, pipelines, taps, catalog=catalog)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from igrip.experiment.live_predictions import LivePredictions
 from igrip.experiment.plan import PlannedTrial
 from igrip.experiment.study import Study, StudyError
 from igrip.io.mcap.writer import McapWriter
@@ -64,6 +65,7 @@ class SimulatedRecorder:
                         f"--simulate: simulated people know the {factor}s {', '.join(known)}; "
                         f"not {level!r:.40}"
                     )
+        self._predictions = LivePredictions(study, catalog)
         self._writers: dict[str, McapWriter] = {}
         self._messages: dict[str, list[Observation]] = {}
 
@@ -111,9 +113,12 @@ class SimulatedRecorder:
     def stop(self) -> None:
         """Write all messages and close the files."""
         for camera, writer in self._writers.items():
+            self._predictions.begin_anew()
             with writer:
                 for message in self._messages[camera]:
                     writer.write(message)
+                    for intention in self._predictions.of(message):
+                        writer.write(intention)
         self._writers = {}
 
     def close(self) -> None:

@@ -13,6 +13,7 @@ from pydantic import Field, ValidationError, model_validator
 from igrip.errors import IgripError, UnknownNameError, did_you_mean
 from igrip.io.text import TextError, read_text
 from igrip.settings import Settings, problem_of, quantity
+from igrip.targets import TARGETS
 
 FILE = "study.toml"
 NEEDED = ("hand", "target")
@@ -86,6 +87,8 @@ class Study(Settings):
         Places of the objects; rests.
     cameras : list of str
         Names; each records every trial.
+    predictions : str or None
+        Targets estimator whose intentions are recorded beside the observations; None: none are.
     """
 
     name: str
@@ -97,6 +100,7 @@ class Study(Settings):
     max_seconds: float = quantity(10.0, "s", "a trial stops by itself after it", gt=0, le=600)
     cameras: tuple[str, ...] = Field(("left", "right"), min_length=1)
     models: tuple[str, ...] = ("ycb",)
+    predictions: str | None = None
     factors: dict[str, tuple[str, ...]]
     max_in_a_row: dict[str, int] = Field(default_factory=dict)
     objects: dict[str, StudyObject]
@@ -128,6 +132,8 @@ class Study(Settings):
             raise ValueError(
                 f"layouts.places: {len(self.layouts.places)} places for {len(self.objects)} objects"
             )
+        if self.predictions is not None:
+            TARGETS.check(self.predictions)
         if self.trial_count > MAX_TRIALS:
             raise ValueError(f"repetitions: {self.trial_count} trials; {MAX_TRIALS} at most")
         return self

@@ -169,7 +169,10 @@ class Scene:
     def _pack_with(self, objects: Sequence[PlacedObject]) -> PackedModels:
         """Return the trees of all meshes known so far, those of these objects among them."""
         packed = self._packed
-        missing = {o.model.name: o.model for o in objects if o.model.name not in packed.number}
+        missing = {
+            o.model.name: o.model
+            for o in objects if packed.models.get(o.model.name) is not o.model
+        }  # fmt: skip
         if missing:
             packed = self._packed = pack({**packed.models, **missing})
         return packed

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,7 @@ class DeclaredFrame:
         """The world of igrip from the source's, without the unit; shape (3, 3)."""
         return _matrix(self.axes)
 
-    @property
+    @cached_property
     def is_default(self) -> bool:
         """Whether nothing has to be converted."""
         return self == DeclaredFrame()

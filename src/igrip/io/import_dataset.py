@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from igrip.errors import DatasetError, IgripError
-from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.io.importers import Importer, ReachReader, RecordedReach
 from igrip.io.resampling import ImportOptions, observations_of
 from igrip.objects.catalog import Catalog

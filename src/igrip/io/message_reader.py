@@ -104,11 +104,13 @@ class MessageReader:
     def _is_small(self, raw: Mapping[str, Any]) -> bool:
         for part, (_, limit) in _KINDS.items():
             entities = raw.get(part)
-            if isinstance(entities, Mapping) and (
-                len(entities) > limit
-                or any(isinstance(id, str) and len(id) > MAX_ID_LENGTH for id in entities)
-            ):
+            if not isinstance(entities, Mapping):
+                continue
+            if len(entities) > limit:
                 return False
+            for id in entities:
+                if isinstance(id, str) and len(id) > MAX_ID_LENGTH:
+                    return False
         return True
 
     def _has_markers(self, observation: Observation) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import pickle
+import re
 import signal
 import threading
 import warnings
@@ -25,6 +26,7 @@ Result = TypeVar("Result")
 MIN_ITEMS = 20  # for each process: it takes seconds to start
 MAX_CHUNK = 20  # items sent to a process together: progress should show
 WAITING = 4  # chunks on a cluster for each thread: more would only fill its memory
+ADDRESS = re.compile(r"(tcp|tls|ucx|wss?)://[^/]+:\d+/?")
 CONNECT = 10.0  # s to wait for a scheduler
 _work_in_worker: Callable[[Any], Any]  # set in worker processes only
 
@@ -141,6 +143,11 @@ def _on_cluster(
     """Yield results of a Dask cluster, in order; a worker that dies costs its chunks' time."""
     with requires_extra("distributed", "cluster", "--scheduler"):
         import distributed
+    if ADDRESS.fullmatch(address) is None:
+        raise ClusterError(
+            f"--scheduler {address}: give the scheduler's own address, tcp://HOST:PORT; http:// is "
+            "its page"
+        )
     try:
         client: Any = distributed.Client(  # type: ignore[no-untyped-call]
             address, timeout=CONNECT, set_as_default=False
@@ -157,13 +164,13 @@ def _on_cluster(
         held = client.submit(pickle.loads, pickle.dumps(work))
         chunks = [items[k : k + MAX_CHUNK] for k in range(0, len(items), MAX_CHUNK)]
         waiting: deque[Any] = deque()
-        threads = max(1, sum(client.nthreads().values()))
         try:
             for number, chunk in enumerate(chunks):
                 waiting.append(
                     client.submit(_work_on_chunk, held, chunk, pure=False, priority=-number)
                 )
-                if len(waiting) >= WAITING * threads:
+                # workers may join and leave meanwhile
+                while len(waiting) >= WAITING * max(1, sum(client.nthreads().values())):
                     yield from waiting.popleft().result()
             while waiting:
                 yield from waiting.popleft().result()

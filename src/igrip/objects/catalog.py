@@ -33,6 +33,8 @@ _CACHED_BY = (
 class Catalog(Mapping[str, ObjectModel]):
     """Models of objects by name or alias. A model is built or read on first access.
 
+    Models of things that were first seen at run time are added by :meth:`put`.
+
     Parameters
     ----------
     *sources : str or Path
@@ -44,6 +46,7 @@ class Catalog(Mapping[str, ObjectModel]):
         self._meshes: dict[str, MeshFile | Primitive] = {}
         self._aliases: dict[str, str] = {}
         self._models: dict[str, ObjectModel] = {}
+        self._put: dict[str, ObjectModel] = {}
         for source in sources:
             for mesh in _meshes_of(source):
                 self._add(mesh)
@@ -54,6 +57,27 @@ class Catalog(Mapping[str, ObjectModel]):
                 raise ObjectsError(f"two objects are named {name!r}")
             self._aliases[name] = mesh.name
         self._meshes[mesh.name] = mesh
+
+    def put(self, model: ObjectModel) -> None:
+        """Add a model at run time, or replace one that was added so.
+
+        May be called from another thread than those that read.
+
+        Raises
+        ------
+        ObjectsError
+            If a source of the catalogue has a model of this name.
+        """
+        if model.name in self._aliases and model.name not in self._put:
+            raise ObjectsError(f"the catalogue has a model {model.name!r} already")
+        self._put = {**self._put, model.name: model}
+        self._models[model.name] = model
+        self._aliases[model.name] = model.name
+
+    @property
+    def put_models(self) -> Mapping[str, ObjectModel]:
+        """The models that were added at run time, by name."""
+        return self._put
 
     def is_described(self, name: str) -> bool:
         """Return whether a table or the user names this model, so that it is not left out."""
@@ -85,10 +109,10 @@ class Catalog(Mapping[str, ObjectModel]):
         return self._models[own]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._meshes)
+        return iter((*self._meshes, *self._put))
 
     def __len__(self) -> int:
-        return len(self._meshes)
+        return len(self._meshes) + len(self._put)
 
     def __contains__(self, name: object) -> bool:
         return name in self._aliases or (isinstance(name, str) and normal(name) in self._aliases)

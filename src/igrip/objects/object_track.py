@@ -66,11 +66,16 @@ class ObjectTrack:
         self._static_until = -math.inf
         self.model: ObjectModel | None = None
         self._no_model: str | None = None
+        self._catalog = catalog
+        self.renew_model()
+        self._reset()
+
+    def renew_model(self) -> None:
+        """Take the catalogue's present model: that of a thing first seen may have been refined."""
         try:
-            self.model = catalog[model_name]
+            self.model, self._no_model = self._catalog[self.model_name], None
         except (UnknownModelError, ObjectsError, OSError) as error:
             self._no_model = str(error)
-        self._reset()
 
     def _reset(self) -> None:
         self._filter = PoseFilter(self._config.position, self._config.orientation)

@@ -12,7 +12,7 @@ from igrip.describe import describe, headline
 from igrip.errors import requires_extra
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
-from igrip.perception.hands import PALM
+from igrip.perception.hands import LANDMARKS, palm_pixel
 from igrip.rgbd import RgbdFrame
 from igrip.viewer.palette import INK, PAPER, colour_of, letter_of, rgb
 
@@ -32,8 +32,8 @@ class CameraView(NamedTuple):
 
     Attributes
     ----------
-    landmarks : mapping of str to (21, 2)
-        Of each hand [pixels].
+    landmarks : mapping of str to (21, 2) or (n, 2)
+        Of each hand [pixels]; see :class:`igrip.perception.hands.HandDetection`.
     objects : sequence of PlacedObject
         In the world frame.
     intentions : sequence of Intention
@@ -118,15 +118,19 @@ def outline_of(frame: RgbdFrame, placed: PlacedObject) -> Array | None:
 
 
 def _draw_hand(cv2: Any, picture: NDArray[np.uint8], points: Array) -> NDArray[Any]:
-    """Draw landmarks and palm; return the pixel of the palm."""
+    """Draw landmarks and palm; return the pixel of the palm.
+
+    Of a hand without landmarks, the palm alone.
+    """
     corners = np.round(points).astype(int).tolist()
+    with_bones = len(corners) == LANDMARKS
     for colour, width in ((LIGHT, 5), (DARK, 2)):
-        for a, b in BONES:
+        for a, b in BONES if with_bones else ():
             cv2.line(picture, corners[a], corners[b], colour, width, cv2.LINE_AA)
-    for corner in corners:
+    for corner in corners if with_bones else corners[:0]:
         cv2.circle(picture, corner, 4, DARK, -1, cv2.LINE_AA)
         cv2.circle(picture, corner, 3, LIGHT, -1, cv2.LINE_AA)
-    palm: NDArray[Any] = np.round(points[list(PALM)].mean(axis=0)).astype(int)
+    palm: NDArray[Any] = np.round(palm_pixel(points)).astype(int)
     cv2.circle(picture, palm.tolist(), 7, DARK, -1, cv2.LINE_AA)
     return palm
 

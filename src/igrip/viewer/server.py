@@ -16,6 +16,7 @@ from typing import Any
 
 from igrip.errors import requires_extra
 from igrip.geometry.scene import PlacedObject
+from igrip.objects.model import ObjectModel
 from igrip.runtime.mailbox import Mailbox
 from igrip.runtime.protocol import ACTIONS, Command
 from igrip.targets import TARGETS
@@ -83,6 +84,8 @@ class Viewer:
         self._restart = False
         self._last_t = float("-inf")
         self._meshes: dict[str, int] = {}
+        self._drawn: dict[str, ObjectModel] = {}
+        self._mesh_count = -1
         self.drawn, self.looks = 0, Looks()
         self._server = PageServer(host, port, self._receive)
         self._server.publish("setup", self._setup)
@@ -204,8 +207,9 @@ class Viewer:
 
     def _add_mesh(self, placed: PlacedObject) -> None:
         model = placed.model
-        if model.name not in self._meshes:
-            number = len(self._meshes)
+        if self._drawn.get(model.name) is not model:  # new, or refined since
+            self._drawn[model.name] = model
+            number = self._mesh_count = self._mesh_count + 1
             data = encode_mesh(model.vertices, model.faces)
             self._server.add_resource(f"/mesh/{number}", "application/octet-stream", data)
             self._meshes[model.name] = number

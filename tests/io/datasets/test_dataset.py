@@ -7,7 +7,8 @@ import pytest
 
 from igrip import Observation
 from igrip.errors import DatasetError, RecordingError
-from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.writer import DatasetWriter
 
 
 def test_round_trip(tmp_path: Path) -> None:

@@ -12,7 +12,8 @@ import pytest
 from datasets import MESH, PLACES, write_small_dataset
 from igrip import Observation
 from igrip.errors import DatasetError
-from igrip.io.datasets.dataset import Dataset, DatasetWriter, Trial
+from igrip.io.datasets.dataset import Dataset, Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.io.exporters import EXPORTERS
 from igrip.io.takes.files import open_file
 

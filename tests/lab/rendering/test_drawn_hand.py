@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hands import CAMERA, desk
 from igrip.lab.rendering.drawn_hand import PALM_LENGTH, draw_hand, paste_hand
 from igrip.perception.hands import PALM, HandDetection, palm_length
-from igrip.perception.palms import measure_palm
+from igrip.perception.hands._palms import measure_palm
 from igrip.rgbd import RgbdFrame
 
 pytest.importorskip("cv2", reason="hands are drawn by OpenCV")

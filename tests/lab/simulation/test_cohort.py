@@ -80,6 +80,39 @@ def test_the_same_seed_gives_the_same_bytes(small, ycb, tmp_path, workers):
         assert again.read_bytes() == small.recording(trial).read_bytes()
 
 
+@pytest.mark.parametrize("after", [1, 2, 7])
+def test_an_interrupted_simulation_goes_on(ycb, tmp_path, monkeypatch, after):
+    def simulated(path, trials=4):
+        return simulate_cohort(path, ycb, cohort_parameters(), 2, 0, trials, 2)
+
+    list(simulated(tmp_path / "whole"))
+    begun = simulated(tmp_path / "cut")
+    for _ in range(after):
+        next(begun)
+    with pytest.raises(DatasetError, match="another process writes it"):
+        next(simulated(tmp_path / "cut"))
+    begun.close()
+    (tmp_path / ".cut-unfinished" / "recordings" / "p02_t004_right.jsonl").write_text("half a l")
+    assert next(simulated(tmp_path / "cut")) == (after, 18)
+    steps = list(simulated(tmp_path / "cut"))
+    assert steps == [(k, 18) for k in range(after, 19)]
+    whole, cut = (
+        {path.relative_to(tmp_path / name): path.read_bytes()
+         for path in sorted((tmp_path / name).rglob("*")) if path.is_file()}
+        for name in ("whole", "cut")
+    )  # fmt: skip
+    assert cut == whole
+    assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
+
+
+def test_an_unfinished_simulation_of_something_else_is_forgotten(ycb, tmp_path):
+    for seed in (1, 0):
+        begun = simulate_cohort(tmp_path / "cut", ycb, cohort_parameters(), 1, seed, 2, 0)
+        assert next(begun) == (1, 4)
+        begun.close()
+    assert next(simulate_cohort(tmp_path / "cut", ycb, cohort_parameters(), 1, 0, 1, 0)) == (1, 2)
+
+
 def test_another_participant_count_keeps_the_people(small, ycb, tmp_path):
     list(
         simulate_cohort(

@@ -11,7 +11,7 @@ from hands import CAMERA, desk, hand_detector_or_skip
 from igrip.errors import MissingExtraError
 from igrip.lab.rendering.drawn_hand import draw_hand, paste_hand
 from igrip.perception.hands import HANDS, PALM, palm_length
-from igrip.perception.palms import measure_palm
+from igrip.perception.hands._palms import measure_palm
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import os
-import shutil
-import tempfile
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -18,15 +14,13 @@ from typing import Any
 from igrip.errors import DatasetError, RecordingError
 from igrip.io.cells.values import known_text
 from igrip.io.column_names import near_miss, shortened
-from igrip.io.datasets.trial import COLUMNS, Trial, read_rows, read_trials, recording_name
+from igrip.io.datasets.trial import Trial, read_rows, read_trials, recording_name
 from igrip.io.frames import DeclaredFrame, FrameError
 from igrip.io.hand_ids import match_hand
 from igrip.io.recordings import SOURCES, Source, open_source
-from igrip.io.recordings.jsonl import JsonlWriter
 from igrip.io.text import TextError, read_text
-from igrip.observation import Observation
 
-__all__ = ["Dataset", "DatasetWriter", "Trial"]
+__all__ = ["Dataset", "Trial"]
 
 FORMAT = "igrip-dataset/1"
 HEAD = 300  # messages in which a trial's hand should appear
@@ -94,7 +88,7 @@ class Dataset:
         """
         name = recording_name(trial.recording)
         for part in name.split("/"):
-            _check_name(part)
+            check_name(part)
         folder = self.path / "recordings"
         for ending in SOURCES.names():
             path = folder / f"{name}.{ending}"
@@ -183,94 +177,7 @@ class Dataset:
         return sorted({name for name in named if name and name not in present})
 
 
-class DatasetWriter:
-    """Write a dataset: each recording when it is added, the tables at the end.
-
-    The files go into a hidden folder beside the final one, which :meth:`close` renames, so that a
-    dataset is complete or does not exist. As a context manager, it removes an unfinished one.
-
-    Parameters
-    ----------
-    path : str or Path
-        A folder that does not exist yet, or is empty.
-    name, license, source : str
-        For ``dataset.json``.
-    **description
-        Further entries of it, for example ``objects``.
-
-    Raises
-    ------
-    DatasetError
-        If the folder is not empty.
-    """
-
-    def __init__(
-        self, path: str | Path, name: str, license: str, source: str, **description: Any
-    ) -> None:
-        self._final = Path(path)
-        if self._final.exists() and (not self._final.is_dir() or any(self._final.iterdir())):
-            raise DatasetError(f"{self._final}: exists already; name a new folder")
-        self._final.parent.mkdir(parents=True, exist_ok=True)
-        self.path = Path(tempfile.mkdtemp(dir=self._final.parent, prefix=f".{self._final.name}-"))
-        self._description = {
-            "format": FORMAT, "name": name, "license": license, "source": source, **description,
-        }  # fmt: skip
-        self._trials: list[Trial] = []
-        (self.path / "recordings").mkdir()
-
-    def add(self, trial: Trial, observations: Iterable[Observation]) -> None:
-        """Write one recording and keep its row for the table.
-
-        Raises
-        ------
-        DatasetError
-            If the recording's name is no plain file name, or not new.
-        """
-        _check_name(trial.recording)
-        if (self.path / "recordings" / f"{trial.recording}.jsonl").exists():
-            raise DatasetError(f"two recordings are named {trial.recording!r}")
-        path = self.path / "recordings" / f"{trial.recording}.jsonl"
-        try:
-            with JsonlWriter(path) as file:
-                for observation in observations:
-                    file.write(observation)
-        except BaseException:
-            path.unlink(missing_ok=True)  # the trial is not added
-            raise
-        self._trials.append(trial)
-
-    def close(self, participants: Mapping[str, Mapping[str, str]] | None = None) -> Dataset:
-        """Write the tables and return the dataset.
-
-        Parameters
-        ----------
-        participants : mapping, optional
-            Further columns of ``participants.tsv``, by participant.
-        """
-        text = json.dumps(self._description, indent=2, ensure_ascii=False)
-        (self.path / "dataset.json").write_text(text + "\n", encoding="utf-8")
-        more = sorted({name for trial in self._trials for name in trial.extra})
-        rows = [asdict(trial) | dict(trial.extra) for trial in self._trials]
-        _write_table(self.path / "trials.tsv", [*COLUMNS, *more], rows)
-        known = dict(participants or {})
-        names = list(dict.fromkeys(t.participant for t in self._trials if t.participant))
-        columns = sorted({column for row in known.values() for column in row})
-        people = [{"participant": name, **known.get(name, {})} for name in names]
-        _write_table(self.path / "participants.tsv", ["participant", *columns], people)
-        self.path.chmod(0o755)  # a temporary folder is private
-        os.replace(self.path, self._final)
-        self.path = self._final
-        return Dataset(self.path, self._description, tuple(self._trials))
-
-    def __enter__(self) -> DatasetWriter:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        if self.path != self._final:  # not closed
-            shutil.rmtree(self.path, ignore_errors=True)
-
-
-def _check_name(name: str) -> None:
+def check_name(name: str) -> None:
     """Raise an error for a name that would lead out of its folder."""
     if not name or name in (".", "..") or any(c in name for c in "/\\\0") or name.startswith("."):
         raise DatasetError(f"a recording cannot be named {name!r:.80}")
@@ -280,15 +187,6 @@ def _alike(one: str, other: str) -> bool:
     """Return whether two names differ by case or Unicode's normal form alone."""
     forms = [unicodedata.normalize("NFC", name).casefold() for name in (one, other)]
     return forms[0] == forms[1]
-
-
-def _write_table(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(
-            file, columns, extrasaction="ignore", delimiter="\t", lineterminator="\n"
-        )
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def _read_description(path: Path) -> Mapping[str, Any]:

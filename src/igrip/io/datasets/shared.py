@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from igrip.compiled import cache_directory
-from igrip.errors import DatasetError, RecordingError, requires_extra
+from igrip.errors import DatasetError, RecordingError, StorageError, requires_extra
 from igrip.io.datasets.dataset import Dataset, Trial
 
-ADDRESS = re.compile(r"([a-z][a-z0-9+.-]+):/(/?)(.*)", re.IGNORECASE)  # C:/ is a drive
+ADDRESS = re.compile(r"([a-z][a-z0-9+.-]+):/(.*)", re.IGNORECASE)  # C:/ is a drive
+LOCAL = ("file", "local")  # protocols of paths without a host
 PLAIN = re.compile(r"\w[\w -]*")  # the name of a folder within the dataset
 TABLES = ("dataset.json", "trials.tsv", "participants.tsv")
 
@@ -27,10 +28,14 @@ TABLES = ("dataset.json", "trials.tsv", "participants.tsv")
 def address_of(path: str | Path) -> str | None:
     """Return the address that a path is meant to be; None for a folder of this computer.
 
-    A Path makes ``s3:/bucket`` of ``s3://bucket``; that is undone.
+    A Path makes ``s3:/bucket`` of ``s3://bucket`` and ``file:/lab`` of ``file:///lab``; that is
+    undone.
     """
     found = ADDRESS.fullmatch(str(path))
-    return None if found is None else f"{found[1]}://{found[3]}".rstrip("/")
+    if found is None:
+        return None
+    protocol, rest = found[1], found[2].strip("/")
+    return f"{protocol}:///{rest}" if protocol in LOCAL else f"{protocol}://{rest}"
 
 
 def open_dataset(path: str | Path, lenient: bool = False) -> Dataset:
@@ -47,8 +52,9 @@ def open_dataset(path: str | Path, lenient: bool = False) -> Dataset:
     if address is None:
         return Dataset.open(path, lenient)
     storage = SharedFolder(address)
-    for name in TABLES:
-        storage.fetch(name)
+    there = {name: storage.fetch(name) for name in TABLES}
+    if there["dataset.json"] is None:
+        raise DatasetError(f"{address}: is not a dataset: it has no dataset.json")
     opened = Dataset.open(storage.local, lenient)
     for source in opened.description.get("objects", ()):
         if PLAIN.fullmatch(str(source)):
@@ -93,8 +99,10 @@ class SharedFolder:
         system, root = self._storage
         try:
             about = system.info(f"{root}/{name}")
-        except OSError:
+        except FileNotFoundError:
             return None
+        except Exception as error:  # each protocol has errors of its own
+            raise StorageError(f"{self.address}/{name}: {error!r:.200}") from error
         changed = next((about[k] for k in ("ETag", "mtime", "created", "LastModified",
                                            "last_modified") if k in about), "")  # fmt: skip
         return f"{about.get('size')}-{changed}"
@@ -104,8 +112,10 @@ class SharedFolder:
         system, root = self._storage
         try:
             found = system.find(f"{root}/{folder}")
-        except OSError:
+        except FileNotFoundError:
             return []
+        except Exception as error:
+            raise StorageError(f"{self.address}/{folder}: {error!r:.200}") from error
         return sorted(path[path.index(f"{root}/") + len(root) + 1 :] for path in found)
 
     def fetch(self, name: str) -> Path | None:
@@ -113,15 +123,15 @@ class SharedFolder:
 
         Raises
         ------
-        DatasetError
+        StorageError
             If it cannot be fetched.
         """
         if ".." in Path(name).parts:
             raise DatasetError(f"{self.address}: {name!r} leads out of the folder")
-        stamp = self.stamp(name)
+        stamp, path = self.stamp(name), self.local / name
         if stamp is None:
+            path.unlink(missing_ok=True)  # it was there once
             return None
-        path = self.local / name
         note = path.with_name(f".{path.name}.stamp")
         if path.is_file() and note.is_file() and note.read_text(encoding="utf-8") == stamp:
             return path
@@ -132,8 +142,8 @@ class SharedFolder:
         try:
             system.get_file(f"{root}/{name}", new)
             os.replace(new, path)  # other processes may fetch it, too
-        except OSError as error:
-            raise DatasetError(f"{self.address}/{name}: {error}") from error
+        except Exception as error:
+            raise StorageError(f"{self.address}/{name}: {error!r:.200}") from error
         finally:
             Path(new).unlink(missing_ok=True)
         note.write_text(stamp, encoding="utf-8")

@@ -5,22 +5,27 @@ from __future__ import annotations
 import hashlib
 import importlib
 import json
+import math
+import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Protocol
 
 import msgspec
 
 from igrip.config import Config
-from igrip.errors import IgripError
+from igrip.errors import IgripError, did_you_mean
 from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.objects.catalog import Catalog
@@ -29,6 +34,8 @@ from igrip.targets import TARGETS
 
 PROGRAM = "program:"
 NAME = re.compile(r"[A-Za-z0-9_-]{1,40}")
+SHOWN = 5  # lines of what a program that fails has printed
+SUM_TOLERANCE = 1e-3  # of probabilities
 START, EACH = 60.0, 0.5  # s that a program may take to begin, and for a message on average
 
 
@@ -93,18 +100,19 @@ class Entry:
         except EntryError as error:
             raise EntryError(f"{self.name}: {error}") from error
         except Exception as error:
-            raise EntryError(f"{self.name}: {error!r:.300}") from error
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            raise EntryError(
+                f"{self.name}: {error!r:.300} ({Path(place.filename).name}, line {place.lineno})"
+            ) from error
 
     def digest(self) -> str:
         """Return what changes when the entry does, as far as its own files show it."""
-        found = hashlib.sha256(f"{self.how} {self.source}".encode())
-        for path in self._files():
-            found.update(path.read_bytes())
-        return found.hexdigest()[:16]
+        words = hashlib.sha256(f"{self.how} {self.source}".encode()).hexdigest()[:8]
+        return f"{words}-{_digest_of(self._files())}"
 
     def _files(self) -> Iterator[Path]:
         if self.how == "python":
-            module = importlib.import_module(self.source.partition(":")[0])
+            module = _module(self.source.partition(":")[0])
             if module.__file__:
                 yield Path(module.__file__)
         elif self.how == "program":  # the program, and the files that its command names
@@ -138,13 +146,38 @@ def parse_entry(text: str) -> Entry:
             "letters, digits, - and _"
         )
     if source.startswith(PROGRAM):
-        if not shlex.split(source.removeprefix(PROGRAM)):
+        try:
+            words = shlex.split(source.removeprefix(PROGRAM))
+        except ValueError as error:
+            raise EntryError(f"{name}: {error}") from error
+        if not words:
             raise EntryError(f"{name}: {PROGRAM} needs a command, such as {PROGRAM}./mine")
         return Entry(name, "program", source.removeprefix(PROGRAM))
     if source in TARGETS.names():
         return Entry(name, "targets", source)
     _load(source)
     return Entry(name, "python", source)
+
+
+_modules: dict[str, str] = {}  # what their files were when they were loaded
+
+
+def _module(name: str) -> ModuleType:
+    """Return a module as its file is now: a worker of a cluster outlives many versions."""
+    importlib.invalidate_caches()
+    module = importlib.import_module(name)
+    now = "" if not module.__file__ else _digest_of([Path(module.__file__)])
+    if _modules.setdefault(name, now) != now:
+        module = importlib.reload(module)
+        _modules[name] = now
+    return module
+
+
+def _digest_of(files: Iterable[Path]) -> str:
+    digest = hashlib.sha256()
+    for path in files:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _load(source: str) -> Callable[[Catalog], EntryEstimator]:
@@ -154,20 +187,28 @@ def _load(source: str) -> Callable[[Catalog], EntryEstimator]:
     if "" not in sys.path:
         sys.path.insert(0, "")  # a module beside where the command runs
     try:
-        found = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError) as error:
+        found = getattr(_module(module), function)
+    except Exception as error:  # whatever a module does when it is imported
         raise EntryError(f"{source!r:.80}: {error}") from error
     made: Callable[[Catalog], EntryEstimator] = found
     return made
 
 
 def _run_python(estimator: EntryEstimator, observations: Sequence[Observation]) -> Answers:
-    found: list[Intention | Mapping[str, Any]] = []
-    begin = time.perf_counter()
+    found: list[Intention] = []
+    seconds = 0.0
     for observation in observations:
-        found += estimator.update(observation)
-    seconds = time.perf_counter() - begin
-    return Answers([_intention(one) for one in found], seconds)
+        begin = time.perf_counter()
+        answers = list(estimator.update(observation))
+        seconds += time.perf_counter() - begin
+        for one in map(_intention, answers):
+            if one.t != observation.t:
+                raise EntryError(
+                    f"answered with t = {one.t:g} to an observation at t = {observation.t:g}: an "
+                    "intention has the time of the observation that it follows"
+                )
+            found.append(one)
+    return Answers(_checked(found, observations), seconds)
 
 
 def _run_program(command: str, observations: Sequence[Observation]) -> Answers:
@@ -178,28 +219,89 @@ def _run_program(command: str, observations: Sequence[Observation]) -> Answers:
         with given.open("w", encoding="utf-8") as file:
             file.writelines(json.dumps(o.to_dict()) + "\n" for o in observations)
         begin = time.perf_counter()
-        try:
-            with given.open("rb") as lines:
-                done = subprocess.run(
-                    shlex.split(command), stdin=lines, capture_output=True, timeout=limit,
-                    check=False,
+        with given.open("rb") as lines:
+            try:
+                program = subprocess.Popen(
+                    shlex.split(command), stdin=lines, stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE, start_new_session=True,
                 )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            raise EntryError(f"took more than {limit:.0f} s for one recording") from None
-        except OSError as error:
-            raise EntryError(f"{command!r:.80}: {error.strerror or error}") from error
+            except OSError as error:
+                raise EntryError(f"{command!r:.80}: {error.strerror or error}") from error
+            try:
+                output, errors = program.communicate(timeout=limit)
+            except subprocess.TimeoutExpired:
+                raise EntryError(f"took more than {limit:.0f} s for one recording") from None
+            finally:
+                _end(program)
         seconds = time.perf_counter() - begin
-    if done.returncode:
-        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-        raise EntryError(f"ended with exit code {done.returncode}: {' '.join(last):.200}")
-    return Answers([_intention(line) for line in done.stdout.splitlines() if line], seconds)
+    if program.returncode:
+        last = errors.decode(errors="replace").strip().splitlines()[-SHOWN:]
+        raise EntryError(f"ended with exit code {program.returncode}: {' | '.join(last):.400}")
+    found = [_intention(line) for line in output.splitlines() if line]
+    times = {observation.t for observation in observations}
+    newest = -math.inf
+    for one in found:
+        if one.t not in times or one.t < newest:
+            raise EntryError(
+                f"answered with t = {one.t:g}: an intention has the time of the observation that "
+                "it follows, and they are in order"
+            )
+        newest = one.t
+    return Answers(_checked(found, observations), seconds)
+
+
+def _end(program: subprocess.Popen[bytes]) -> None:
+    """End a program that still runs, with what it has started."""
+    if program.poll() is None:
+        try:
+            os.killpg(program.pid, signal.SIGKILL)
+        except (AttributeError, ProcessLookupError):  # Windows has no groups
+            program.kill()
+        program.communicate()
 
 
 def _intention(found: Intention | Mapping[str, Any] | bytes) -> Intention:
     if isinstance(found, Intention):
         return found
     try:
-        fields = msgspec.json.decode(found) if isinstance(found, bytes) else found
+        fields = msgspec.json.decode(found) if isinstance(found, bytes) else _plain(found)
+        unknown = sorted(set(fields) - set(Intention.__struct_fields__) - {"schema"})
+        if unknown:
+            near = did_you_mean(unknown[0], Intention.__struct_fields__)
+            raise EntryError(f"answered with {unknown[0]!r:.60}, which no intention has{near}")
         return msgspec.convert(fields, Intention)
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, TypeError) as error:
         raise EntryError(f"answered what is no intention: {found!r:.100}: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    """Return a value with Python's own numbers in place of numpy's."""
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _checked(found: list[Intention], observations: Sequence[Observation]) -> list[Intention]:
+    """Return intentions that can be scored.
+
+    Raises
+    ------
+    EntryError
+        If there are none, or their probabilities are none.
+    """
+    if not found and any(observation.hands for observation in observations):
+        raise EntryError("answered nothing to a recording with hands")
+    for one in found:
+        if one.probability is None:
+            continue
+        values = one.probability.values()
+        if not all(0.0 <= value <= 1.0 for value in values):
+            raise EntryError(f"gave probabilities that are not from 0 to 1: {one.probability}")
+        if abs(sum(values) - 1.0) > SUM_TOLERANCE:
+            raise EntryError(
+                f"gave probabilities with the sum {sum(values):.4g}, not 1 (with 'none'): "
+                f"{one.probability}"
+            )
+    return found

@@ -33,18 +33,24 @@ def run_entry(
     EntryError
         If the entry fails: one that cannot answer every recording is not in the table.
     """
-    dataset, trials = judged.dataset, judged.trials
+    dataset = judged.dataset
     key = f"{fingerprint(dataset, [], dataset.objects)}-{entry.digest()}"
     header = json.dumps({"benchmark": key}).encode() + b"\n"
-    kept = KeptRows(out / f"rows-{judged.name}-{entry.name}.jsonl", header)
-    stamps = [dataset.stamp(trial) for trial in trials]
-    kept.resume(
-        lambda k, rows: 0 <= k < len(trials) and len(rows) == 1
-        and (rows[0].get("recording"), rows[0].get("stamp")) == (trials[k].recording, stamps[k])
-    )  # fmt: skip
-    left = [trial for k, trial in enumerate(trials) if k not in kept]
+    kept = KeptRows(out / f"rows-{judged.name}={entry.name}.jsonl", header)
+    place = {id(trial): k for k, trial in enumerate(dataset.trials)}
+    chosen = {place[id(trial)]: trial for trial in judged.trials}
+    stamps = {k: dataset.stamp(trial) for k, trial in chosen.items()}
+
+    def is_good(k: int, rows: Sequence[Row]) -> bool:
+        if not 0 <= k < len(dataset.trials) or len(rows) != 1:
+            return False
+        stamp = stamps[k] if k in stamps else dataset.stamp(dataset.trials[k])
+        return bool(rows[0].get("stamp") == stamp)
+
+    kept.resume(is_good)
+    left = [trial for k, trial in chosen.items() if k not in kept]
     found = workers.map(partial(_answer, entry, dataset, catalog), left)
-    for k, stamp in enumerate(stamps):
+    for k, stamp in stamps.items():
         if k not in kept:
             own = {"row": k, "set": judged.name, "entry": entry.name, "stamp": stamp}
             kept.add(k, [own | next(found)])
@@ -64,7 +70,11 @@ def _answer(entry: Entry, dataset: Dataset, catalog: Catalog, trial: Trial) -> R
     recorded = RecordedTrial(shift_trial(trial, getattr(reader, "shift", 0.0)))
     for observation in observations:
         recorded.add(observation)
-    return score_recording(recorded, entry.run(observations, catalog))
+    try:
+        answers = entry.run(observations, catalog)
+    except EntryError as error:
+        raise EntryError(f"{error} in {trial.recording}") from error
+    return score_recording(recorded, answers)
 
 
 def _excluded(trial: Trial, problem: str) -> Row:

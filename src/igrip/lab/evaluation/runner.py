@@ -9,7 +9,7 @@ from functools import partial
 from typing import TypeVar
 
 from igrip.config import Config
-from igrip.errors import IgripError
+from igrip.errors import IgripError, StorageError
 from igrip.estimator import Estimator
 from igrip.geometry.scene import PlacedObject
 from igrip.intention import Intention
@@ -96,6 +96,8 @@ def run_trial(
             if trial.onset_s is None or observation.t <= trial.onset_s or not run.objects:
                 run.objects = objects
         run.cut = describe_damage(reader)
+    except StorageError:
+        raise  # another time it may be there
     except IgripError as error:
         run.problem = str(error)
     except Exception as error:  # one odd recording must not end the evaluation of all others

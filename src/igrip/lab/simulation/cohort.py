@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache, partial
-from itertools import product
+from itertools import accumulate, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from igrip.errors import DatasetError
-from igrip.io.datasets.dataset import DatasetWriter, Trial
+from igrip.io.datasets.dataset import Trial
+from igrip.io.datasets.writer import DatasetWriter
 from igrip.lab.evaluation.movement import movement_bounds
 from igrip.lab.parallel import ALONE, Workers, count_jobs
 from igrip.lab.simulation.minimum_jerk import Array
@@ -24,6 +26,7 @@ from igrip.lab.simulation.table import Table, models_by_id, object_ids, set_tabl
 from igrip.objects.catalog import Catalog
 from igrip.objects.model import ObjectModel
 from igrip.observation import Observation
+from igrip.version import __version__
 
 SIDES = ("left", "right")
 FINE = 200.0  # Hz of the true trace in which onset and end are found
@@ -147,19 +150,26 @@ def simulate_cohort(
     )
     details: dict[str, Any] = {"objects": ["ycb"], "simulated": parameters.model_dump(mode="json")}
     name = f"simulated {parameters.profile}"
-    with DatasetWriter(path, name, "CC0-1.0", source, **details) as writer:
-        scenes = [(p, number) for p, person in enumerate(people)
-                  for number in range(len(person.tasks))]  # fmt: skip
-        scenes += [(k % participants, ~k) for k in range(no_reach_minutes)]  # without a reach
-        total = sum(2 * len(person.tasks) for person in people) + no_reach_minutes
-        done = 0
+    scenes = [(p, number) for p, person in enumerate(people) for number in range(len(person.tasks))]
+    scenes += [(k % participants, ~k) for k in range(no_reach_minutes)]  # without a reach
+    # how many recordings there are after each scene
+    until = list(accumulate(len(SIDES) if number >= 0 else 1 for _, number in scenes))
+    total = until[-1] if until else 0
+    resume = f"{__version__}, {trials} trials, {total} recordings"
+    with DatasetWriter(path, name, "CC0-1.0", source, resume, **details) as writer:
+        done = len(writer.trials)  # an interrupted simulation goes on
+        if done:
+            yield done, total
+        begin = bisect_right(until, done)
+        half = done - until[begin - 1] if begin else done  # of a scene that was interrupted
         work = partial(_record, parameters, seed, trials, dict(models))
-        shared = replace(workers, jobs=count_jobs(workers.jobs, len(scenes)))
-        for recordings in shared.map(work, scenes):
-            for row, messages in recordings:
+        shared = replace(workers, jobs=count_jobs(workers.jobs, len(scenes) - begin))
+        for scene in shared.map(work, scenes[begin:]):
+            for row, messages in scene[half:]:
                 writer.add(row, messages)
                 done += 1
                 yield done, total
+            half = 0
         writer.close({person.name: {"profile": parameters.profile} for person in people})
 
 

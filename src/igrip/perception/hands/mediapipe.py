@@ -9,6 +9,7 @@ one is followed there by a second landmarker in video mode.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,6 +20,7 @@ from igrip.errors import requires_extra
 from igrip.perception.hands import HANDS, HandDetection
 from igrip.perception.hands._image_tiles import Tile, distinct, is_stump, search_tiles, tile_around
 from igrip.perception.hands._mediapipe_model import hand_model
+from igrip.perception.hands._options import hand_options
 from igrip.perception.opencv import load_opencv
 from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings, quantity
@@ -67,6 +69,8 @@ class _CameraState:
 class MediaPipeHands:
     """MediaPipe's hand landmarks, without any network look-up.
 
+    ``options`` are the fields of :class:`MediaPipeConfig`.
+
     Raises
     ------
     MissingExtraError
@@ -75,12 +79,12 @@ class MediaPipeHands:
         If the model is neither in the cache nor to be had (``hands/_mediapipe_model.py``).
     """
 
-    def __init__(self, config: MediaPipeConfig | None = None) -> None:
+    def __init__(self, options: Mapping[str, Any] | MediaPipeConfig | None = None) -> None:
         load_opencv("detecting hands")
         with requires_extra("mediapipe", "hands", "detecting hands"):
             import mediapipe
             from mediapipe.tasks.python import BaseOptions, vision
-        self._config = config or MediaPipeConfig()
+        self._config = hand_options(MediaPipeConfig, "mediapipe", options)
         self._mediapipe, self._vision = mediapipe, vision
         self._base = BaseOptions(model_asset_path=str(hand_model()))
         self._cameras: dict[str, _CameraState] = {}

@@ -19,9 +19,9 @@ class DetectedHands(NamedTuple):
     ----------
     hands : mapping of str to Hand or None
         By id; None: looked for, and not measured. World frame; ``t`` on the clock of the frames.
-    landmarks : mapping of str to (21, 2)
+    landmarks : mapping of str to (21, 2) or (n, 2)
         Where those that were measured are in the picture [pixels].
-    all_landmarks : sequence of (21, 2)
+    all_landmarks : sequence of (21, 2) or (n, 2)
         Of every hand that was detected, with an id or not: it covers what is behind it.
     """
 

@@ -13,8 +13,8 @@ from igrip.entities import ObjectPose
 from igrip.lab.rendering.scene import random_scene
 from igrip.objects.catalog import Catalog
 from igrip.perception.hand_ids import HandIdConfig, HandIdTracker, PalmMeasurement
-from igrip.perception.hands import HANDS, HandDetector
-from igrip.perception.palms import measure_palm
+from igrip.perception.hands import HANDS, HandDetector, new_detector
+from igrip.perception.hands._palms import measure_palm
 from igrip.perception.pipeline.merge import DetectedHands, DetectedObjects
 from igrip.perception.poses import POSES, PoseEstimator
 from igrip.rgbd import RgbdFrame
@@ -69,6 +69,12 @@ class HandStage:
             if k is not None:
                 landmarks[name] = measured[k][0].landmarks
         return DetectedHands(frame, hands, landmarks, [hand.landmarks for hand in detections])
+
+    @property
+    def problem(self) -> str | None:
+        """What is wrong with the detector just now."""
+        problem: str | None = getattr(self._detector, "problem", None)
+        return problem
 
     def close(self) -> None:
         """Close the detector."""
@@ -129,27 +135,35 @@ class ObjectStage:
 
 
 def hand_stages(
-    name: str, max_hands: int, separate: bool = False, cameras: int = 1
-) -> Callable[[], HandStage]:
+    name: str, max_hands: int, separate: bool = False, cameras: int = 1,
+    options: Mapping[str, Any] | None = None,
+) -> Callable[[], HandStage]:  # fmt: skip
     """Return a function that makes a :class:`HandStage` for each camera.
+
+    An unknown detector or wrong options raise an IgripError at once.
 
     Parameters
     ----------
     name : str
-        Of a hand detector; an unknown one raises UnknownNameError.
+        Of a hand detector.
     max_hands : int
         Hands that are followed.
     separate : bool
         Whether each camera names its own hands; else they are fused: one id in all cameras.
     cameras : int
         How many there are.
+    options : mapping, optional
+        Of the detector.
     """
-    new_detector = HANDS.get(name)
+    HANDS.check(name)
+    # so that wrong options are reported now; one without options may take a while to make
+    first = [new_detector(name, options)] if options else []
     config = HandIdConfig(max_hands=max_hands)
     fused = HandIds(config, cameras > 1)
 
     def new_stage() -> HandStage:
-        return HandStage(new_detector(), HandIds(config, False) if separate else fused, separate)
+        detector = first.pop() if first else new_detector(name, options)
+        return HandStage(detector, HandIds(config, False) if separate else fused, separate)
 
     return new_stage
 
@@ -163,10 +177,13 @@ def object_stages(
     """
     new_estimator = POSES.get(name)
     visibility = CrossCameraVisibility()
-    first = [new_estimator(catalog, options)]  # so that wrong options are reported now
+    first = new_estimator(catalog, options)  # so that wrong options are reported now
+    unused = [first]
+    # one that names things itself shares what it knows with those of other cameras
+    sibling = getattr(first, "sibling", lambda: new_estimator(catalog, options))
 
     def new_stage() -> ObjectStage:
-        return ObjectStage(first.pop() if first else new_estimator(catalog, options), visibility)
+        return ObjectStage(unused.pop() if unused else sibling(), visibility)
 
     return new_stage
 

@@ -26,8 +26,9 @@ class PoseEstimator(Protocol):
         ----------
         frame : RgbdFrame
             Colour, and depth where the estimator needs it.
-        hands : sequence of (21, 2)
-            Landmarks of the hands in the picture [pixels]: what they cover is not the object.
+        hands : sequence of (21, 2) or (n, 2)
+            Landmarks, or other points, of the hands in the picture [pixels]: what they cover
+            is not the object.
 
         Returns
         -------

@@ -25,9 +25,9 @@ from igrip.perception.registration.colours import (
 )
 from igrip.perception.registration.crop import points_near
 from igrip.perception.registration.fit import PoseFit, SearchContext, misfit, refit_flipped
-from igrip.perception.registration.plane import Plane, find_plane
 from igrip.perception.registration.search import find_objects, on_object
 from igrip.perception.registration.shape import Shape, shape_of
+from igrip.perception.registration.table import Table
 from igrip.perception.registration.track import DepthTrack
 from igrip.perception.registration.view import DepthView, depth_view, measured_points
 from igrip.perception.transforms import inverse, object_pose, rigid
@@ -77,8 +77,7 @@ class DepthOptions(Settings):
 class _CameraState:
     """What is remembered of one camera."""
 
-    plane: Plane | None = None
-    world_from_table: Array = field(default_factory=lambda: np.eye(4))
+    table: Table = field(default_factory=Table)
     tracks: dict[str, DepthTrack] = field(default_factory=dict)
     gone: set[str] = field(default_factory=set)
     searched: float | None = None  # when objects were last looked for [s]
@@ -116,9 +115,11 @@ class DepthPoses:
         self._random = np.random.default_rng(self.options.seed)
 
     def estimate(
-        self, frame: RgbdFrame, hands: Sequence[Array] = ()
+        self, frame: RgbdFrame, hands: Sequence[Array] = (), others: Sequence[PoseFit] = ()
     ) -> Mapping[str, ObjectPose | None]:
         """Return the pose of each object; see :class:`igrip.perception.poses.PoseEstimator`.
+
+        ``others`` are things that are none of them, world-from-mesh: no object is sought there.
 
         Raises
         ------
@@ -128,10 +129,13 @@ class DepthPoses:
         if frame.depth is None:
             raise IgripError("the pose estimator 'depth' needs a camera with depth; or use 'tags'")
         camera = self._cameras.setdefault(frame.camera, _CameraState())
-        if not self._update_table(camera, frame):
+        seen = any(track.state == "visible" for track in camera.tracks.values())
+        if not camera.table.update(frame, self._reach, self._random, seen):
             return _poses(camera)
-        assert camera.plane is not None
-        view = depth_view(frame, hands, camera.plane, self.options.tolerance)
+        assert camera.table.plane is not None
+        if camera.table.change is not None:
+            self._carry_on(camera, camera.table.change)
+        view = depth_view(frame, hands, camera.table.plane, self.options.tolerance)
         for id, track in list(camera.tracks.items()):
             updated = track.update(view, frame.t)
             if updated.state == "gone":
@@ -139,41 +143,34 @@ class DepthPoses:
                 camera.gone.add(id)
             else:
                 camera.tracks[id] = updated
-        self._search(camera, view, frame)
+        self._search(camera, view, frame, others)
         return _poses(camera)
 
     def close(self) -> None:
         """Forget all cameras."""
         self._cameras.clear()
 
-    def _update_table(self, camera: _CameraState, frame: RgbdFrame) -> bool:
-        """Keep the table, or find it anew if it is not where it was; whether there is one."""
-        assert frame.depth is not None
-        if camera.plane is not None:
-            table_from_camera = inverse(camera.world_from_table) @ frame.world_from_camera
-            camera.plane = camera.plane._replace(table_from_camera=table_from_camera)
-            points, _ = measured_points(frame.depth, frame.intrinsics, 16, self._reach)
-            heights = points @ table_from_camera[2, :3] + table_from_camera[2, 3]
-            near = np.maximum(0.01, 4.0 * camera.plane.noise * points[:, 2] ** 2)
-            if len(points) and (np.abs(heights) < near).mean() > 0.4 * camera.plane.share:
-                return True
-            if any(track.state == "visible" for track in camera.tracks.values()):
-                return True  # something large hides the table
-        points, _ = measured_points(frame.depth, frame.intrinsics, 4, self._reach)
-        plane = find_plane(points, self._random)
-        if plane is None:
-            return camera.plane is not None
-        before = inverse(camera.world_from_table)
-        camera.plane = plane
-        camera.world_from_table = frame.world_from_camera @ inverse(plane.table_from_camera)
-        change = inverse(camera.world_from_table) @ inverse(before)
-        for id, track in camera.tracks.items():  # carried on into the frame of the new table
+    def visible_fits(self, camera: str) -> list[PoseFit]:
+        """Return the objects that a camera saw in its newest frame; poses are world-from-mesh."""
+        state = self._cameras.get(camera)
+        if state is None:
+            return []
+        world = state.table.world_from_table
+        return [
+            replace(track.fit, pose=track.fit.pose.after(world))
+            for track in state.tracks.values() if track.state == "visible"
+        ]  # fmt: skip
+
+    def _carry_on(self, camera: _CameraState, change: Array) -> None:
+        """Move tracks into the frame of a table that was found anew."""
+        for id, track in camera.tracks.items():
             moved = replace(track.fit, pose=track.fit.pose.after(change))
             camera.tracks[id] = replace(track, fit=moved)
         camera.searched = None
-        return True
 
-    def _search(self, camera: _CameraState, view: DepthView, frame: RgbdFrame) -> None:
+    def _search(
+        self, camera: _CameraState, view: DepthView, frame: RgbdFrame, others: Sequence[PoseFit]
+    ) -> None:
         """Look for the objects that are not visible, if it is time to."""
         visible = {id: track for id, track in camera.tracks.items() if track.state == "visible"}
         wanted = {id: shape for id, shape in self._shapes.items() if id not in visible}
@@ -193,12 +190,14 @@ class DepthPoses:
                 return fit.score
             return fit.score * colour_similarity(fit, view, frame.colour, palette)
 
+        table_from_world = inverse(camera.table.world_from_table)
         known = [track.fit for track in visible.values()]
+        known += [replace(fit, pose=fit.pose.after(table_from_world)) for fit in others]
         context = SearchContext(view, score, self.options.threshold, self._random)
         found = find_objects(table, points[:, 2], wanted, known, context)
         for id, rough in found.items():
-            others = [other for name, other in found.items() if name != id] + known
-            fit = self._confirmed(rough, others, context)
+            beside = [other for name, other in found.items() if name != id] + known
+            fit = self._confirmed(rough, beside, context)
             if fit is not None:
                 camera.tracks[id] = DepthTrack(fit, frame.t, fit.hidden)
                 camera.gone.discard(id)
@@ -226,7 +225,7 @@ def _poses(camera: _CameraState) -> dict[str, ObjectPose | None]:
     for id, track in camera.tracks.items():
         fit = track.fit
         poses[id] = object_pose(
-            rigid(*fit.pose.after(camera.world_from_table)), model=fit.shape.name, t=track.t,
+            rigid(*fit.pose.after(camera.table.world_from_table)), model=fit.shape.name, t=track.t,
             std=fit.std, score=min(1.0, fit.score), source="depth",
         )  # fmt: skip
     return poses

@@ -21,8 +21,8 @@ from igrip.io.text import TextError, read_text
 from igrip.objects.catalog import Catalog
 from igrip.perception.poses import POSES
 from igrip.perception.poses._options import validated
-from igrip.perception.poses._tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.transforms import object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity

@@ -44,22 +44,36 @@ def clusters_above(points: Array, depths: Array, noise: float) -> list[Cluster]:
     before another does not cut it in two. For the parameters see :class:`Cluster` and
     :class:`igrip.perception.registration.plane.Plane`.
     """
+    numbers = label_above(points, depths, noise)
+    clusters = [
+        cluster_of(points[own], depths[own])
+        for number in range(1, int(numbers.max(initial=0)) + 1)
+        if (own := numbers == number).any()
+    ]
+    return sorted(clusters, key=lambda cluster: -len(cluster.points))
+
+
+def label_above(points: Array, depths: Array, noise: float) -> NDArray[np.int64]:
+    """Return the number of the cluster of each point, (n,), from 1; 0: it belongs to none.
+
+    As :func:`clusters_above`, for those who need to know which points they are.
+    """
+    labels = np.zeros(len(points), dtype=np.int64)
     std = noise * depths**2
     table = np.abs(points[:, 2]) < np.maximum(0.006, 2.5 * std)
     lowest = np.maximum(MIN_HEIGHT, 3.0 * std)
     above = (points[:, 2] > lowest) & (points[:, 2] < MAX_HEIGHT)
     above[above] &= _on_table(points[above, :2], points[table, :2])
     under = points[(points[:, 2] < -MIN_DEPTH - 3.0 * std) & (points[:, 2] > -MAX_DEPTH), :2]
-    points, depths = points[above], depths[above]
-    if len(points) < MIN_POINTS:
-        return []
-    numbers, below = _connected(points[:, :2], under)
-    clusters = []
+    if above.sum() < MIN_POINTS:
+        return labels
+    numbers, below = _connected(points[above, :2], under)
     for number in range(1, numbers.max() + 1):
         own = numbers == number
-        if own.sum() >= MIN_POINTS and below[number] < MAX_BELOW * own.sum():
-            clusters.append(cluster_of(points[own], depths[own]))
-    return sorted(clusters, key=lambda cluster: -len(cluster.points))
+        if own.sum() < MIN_POINTS or below[number] >= MAX_BELOW * own.sum():
+            numbers[own] = 0
+    labels[above] = numbers
+    return labels
 
 
 def _connected(points: Array, under: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

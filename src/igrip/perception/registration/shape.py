@@ -53,12 +53,13 @@ def shape_of(model: ObjectModel) -> Shape:
     path = cache_directory() / "shapes" / f"{digest.hexdigest()[:32]}.npz"
     shape = _read(path, model)
     if shape is None:
-        shape = _derive(model)
+        shape = derive_shape(model)
         _write(path, shape)
     return shape
 
 
-def _derive(model: ObjectModel) -> Shape:
+def derive_shape(model: ObjectModel) -> Shape:
+    """Derive the shape of a model; nothing is kept on disk."""
     mesh = trimesh.Trimesh(model.vertices, model.faces, process=False)
     points, faces = trimesh.sample.sample_surface_even(mesh, MAX_POINTS, seed=0)
     surface = Surface(

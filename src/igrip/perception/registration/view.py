@@ -13,6 +13,7 @@ from igrip.perception.registration.visibility import local_depths
 from igrip.perception.transforms import inverse
 from igrip.rgbd import Array, Intrinsics, RgbdFrame
 
+LANDMARKS = 21  # of a detector that knows fingers
 FLESH = 0.035  # a hand reaches so far beyond its landmarks and the bones between them [m]; guess
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (9, 10, 11, 12), (13, 14, 15, 16), (0, 17, 18, 19, 20))
 
@@ -35,7 +36,7 @@ class DepthView(NamedTuple):
 def depth_view(
     frame: RgbdFrame, hands: Sequence[Array], plane: Plane, tolerance: float
 ) -> DepthView:
-    """Return the view of a frame; ``hands`` are landmarks, shape (21, 2) each [pixels]."""
+    """Return the view of a frame; ``hands`` are landmarks, (21, 2) or (n, 2) each [pixels]."""
     assert frame.depth is not None
     depth = np.ascontiguousarray(frame.depth, dtype=np.float32)
     width, height, *pinhole = frame.intrinsics
@@ -64,6 +65,8 @@ def measured_points(
 def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> NDArray[np.uint8]:
     """Return 1 where a hand may be, shape (h, w): round its landmarks and the bones between them.
 
+    Points of a detector without landmarks, any other number, have no bones between them.
+
     Its width in the picture depends on how far the hand is: the median of the depths at its
     landmarks; without any, half a metre.
     """
@@ -78,7 +81,7 @@ def hand_mask(depth: NDArray[np.float32], hands: Sequence[Array], fx: float) -> 
         away = float(np.median(measured)) if len(measured) else 0.5
         radius = FLESH * fx / away
         spots = [joints]
-        for finger in FINGERS:
+        for finger in FINGERS if len(joints) == LANDMARKS else ():
             bones = joints[list(finger)]
             for share in (0.25, 0.5, 0.75):
                 spots.append(bones[:-1] + share * np.diff(bones, axis=0))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from igrip.perception.hands import HandDetection
-from igrip.perception.palms import PalmConfig, measure_palm
+from igrip.perception.hands._palms import PalmConfig, measure_palm
 from igrip.rgbd import Intrinsics, RgbdFrame
 
 CAMERA = Intrinsics(640, 400, 420.0, 421.0, 318.0, 203.0)

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 pytest.importorskip("cv2", reason="tags are drawn by OpenCV")
 pytest.importorskip("pupil_apriltags", reason="tags are found by pupil-apriltags")
 
-from igrip.perception.poses._tag_pose import TagPlacement, angle_between, choose_pose, tag_poses
 from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.tag_pose import TagPlacement, angle_between, choose_pose, tag_poses
 from tag_pictures import CAMERA, draw, pose
 
 SIZE = 0.05

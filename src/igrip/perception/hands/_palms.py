@@ -58,7 +58,7 @@ DEFAULT = PalmConfig()
 def measure_palm(
     hand: HandDetection, frame: RgbdFrame, config: PalmConfig = DEFAULT
 ) -> Hand | None:
-    """Measure where a palm is.
+    """Measure where a palm is, unless the detector did.
 
     A plane is fitted to the depths inside the triangle of the three landmarks, which background
     between fingers cannot enter; pixels off the nearer surface are left out.
@@ -69,6 +69,8 @@ def measure_palm(
         World frame, metres; ``std`` per world axis, from the spread of the depths along the ray and
         the detector's jitter across it. None: no depth, or too little of it.
     """
+    if hand.measured is not None:
+        return hand.measured
     if frame.depth is None:
         return None
     corners = hand.landmarks[list(PALM)]

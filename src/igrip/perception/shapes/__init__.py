@@ -1,0 +1,1 @@
+"""Things without a model: segmented, fitted with simple shapes, and made into models."""
