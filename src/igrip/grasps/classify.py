@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from igrip.grasps.candidate import CLEARANCE
 from igrip.grasps.hand_fit import HandFits
 from igrip.grasps.opposition import MAX_OPENING
 from igrip.objects.model import ObjectModel
@@ -25,6 +26,7 @@ KNOB = 0.045  # m
 PALM_REACH = 0.05  # m; from the palm, with the fingers round the middle
 LARGE_SHEET = 0.06  # m; of a plate ahead of the fingertips
 END = np.cos(np.radians(35.0))  # an approach within this angle of the long axis meets an end
+BEYOND_END = 0.85  # half-lengths; paper: Figure 2, decision 0013
 ELONGATED = 1.15  # length over diameter from which an object has ends
 ROUND = 0.2  # extents of a ball differ by no more than this part
 CURVED = 0.88  # of its opening: so far at most are its sides as wide as at the contacts
@@ -50,6 +52,8 @@ def classify(fits: HandFits, model: ObjectModel) -> tuple[NDArray[np.int64], Arr
     back, front, below, above, tall, sides, beyond, planar, facing, _ = fits.features.T
     width, depth, long = fits.opening, back + front, below + above
     end_on = np.abs(fits.approach @ model.axis) > END
+    palm = fits.centre - (back + CLEARANCE)[:, None] * fits.approach
+    end_on |= np.abs((palm - model.origin) @ model.axis) >= BEYOND_END * 0.5 * model.length
     end_on &= model.length > ELONGATED * 2.0 * model.radius
     held = (long >= HAND) & (back <= PALM_REACH) & (width >= THIN) & ~end_on
     round_ = np.abs(np.stack([tall, depth]) / np.maximum(width, 1e-9) - 1.0).max(axis=0) < ROUND
@@ -61,6 +65,7 @@ def classify(fits: HandFits, model: ObjectModel) -> tuple[NDArray[np.int64], Arr
         & (beyond > 0.0)
         & (long >= 0.5 * HAND),
         "power_sphere": round_
+        & ~end_on
         & (np.maximum(long, sides) < CURVED * width)
         & (back <= PALM_REACH)
         & (width >= KNOB),
