@@ -47,7 +47,7 @@ class Broken:
 
 
 class Typo(Broken):
-    answer = {"probabilty": {}}
+    answer = {"probabilityy": {}}
 
 
 class Late(Broken):
@@ -160,7 +160,7 @@ def test_a_misspelt_estimator_gets_a_suggestion():
 
 @pytest.mark.parametrize(("text", "words"), [
     ("broken=my_entry:Broken", "answered what is no intention"),
-    ("typo=my_entry:Typo", "'probabilty', which no intention has .did you mean 'probability'"),
+    ("typo=my_entry:Typo", "'probabilityy', which no intention has .did you mean 'probability'"),
     ("late=my_entry:Late", r"t = 0.05 to an observation at t = "),
     ("unsure=my_entry:Unsure", "with the sum 1.8, not 1"),
     ("odd=my_entry:Odd", "not from 0 to 1"),
