@@ -28,6 +28,9 @@ FULL = Intention(
     time_to_end_interval=(0.4, 0.8),
     familiarity=0.5,
     contact=(0.1, 0.2, 0.3),
+    aperture=0.06,
+    wrist=0.3,
+    wrist_std=0.1,
     probability={"mustard": 0.8, "none": 0.2},
     scores={"mustard": {"impacts": 0.5, "global": 0.6}},
     commitment=Commitment(target="mustard", grip="palmar", since=1.2, valid_until=1.65),
@@ -76,6 +79,7 @@ def test_the_form_of_the_design():
         "schema", "t", "hand", "status", "reason", "target", "target_model", "confidence", "grip",
         "grip_probability", "time_to_contact", "contact", "probability", "scores", "commitment",
         "familiarity", "time_to_contact_interval", "time_to_end", "time_to_end_interval",
+        "aperture", "wrist", "wrist_std",
     }  # fmt: skip
     assert set(json.loads(FULL.to_json())) == keys
 

@@ -67,7 +67,7 @@ def build_intention(t: float, results: HandResults, object_problems: str | None)
     probability = None
     if estimate.probability is not None:
         probability = dict(zip([*ids, "none"], map(float, estimate.probability), strict=True))
-    age = t - motion.t
+    age, grasp = t - motion.t, grip.grasp
     until_contact, until_end = (p.after(age) for p in timing) if timing else (None, None)
     return Intention(
         t=t,
@@ -83,7 +83,10 @@ def build_intention(t: float, results: HandResults, object_problems: str | None)
         time_to_contact_interval=until_contact.interval if until_contact else None,
         time_to_end=until_end.median if until_end else None,
         time_to_end_interval=until_end.interval if until_end else None,
-        contact=contact[1] if contact else None,
+        contact=grasp.contact if grasp else contact[1] if contact else None,
+        aperture=grasp.aperture if grasp else None,
+        wrist=grasp.wrist if grasp else None,
+        wrist_std=grasp.wrist_std if grasp else None,
         probability=probability,
         familiarity=estimate.familiarity,
         scores={id: dict(zip(names, row, strict=True)) for id, row in zip(ids, rows, strict=True)},

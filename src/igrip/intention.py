@@ -10,6 +10,7 @@ from igrip.entities import Vector
 from igrip.errors import ObservationError
 from igrip.observation import SCHEMA
 
+GRASP_FIELDS = ("aperture", "wrist", "wrist_std")
 Status = Literal["warming_up", "idle", "reaching", "holding", "lost", "invalid"]
 
 
@@ -49,7 +50,8 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     confidence : float or None
         The estimator's score of that target; its probability where there are any.
     grip : str or None
-        The grip for the target: ``palmar`` or ``pinch``.
+        The grip for the target: ``palmar`` or ``pinch``; with the grip selector ``candidates`` any
+        of :data:`igrip.taxonomy.NAMES`.
     grip_probability : dict or None
         Probability of each grip, if the hand grasps; None for a rule that has none.
     time_to_contact : float or None
@@ -60,7 +62,17 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     time_to_end, time_to_end_interval : as these
         Until the movement ends.
     contact : 3 floats or None
-        Where on the target's surface that is, world frame [m].
+        Where on the target's surface that is, world frame [m]; with ``candidates``, midway between
+        thumb and fingers.
+    aperture : float or None
+        Predicted opening between thumb and fingers at contact [m]. This and the next two are given
+        by the grip selector ``candidates`` alone, and else left out of messages.
+    wrist : float or None
+        Predicted rotation of the hand about its approach [rad], from -π/2 to π/2: 0 where thumb and
+        fingers lie beside one another, level and across the way of the reach; positive
+        anticlockwise as seen from in front of the palm.
+    wrist_std : float or None
+        Its standard deviation [rad].
     probability : dict or None
         Probability of each object and of ``none``; None for estimators that are not calibrated.
     familiarity : float or None
@@ -87,6 +99,9 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     time_to_end: float | None = None
     time_to_end_interval: tuple[float, float] | None = None
     contact: Vector | None = None
+    aperture: float | None = None
+    wrist: float | None = None
+    wrist_std: float | None = None
     probability: dict[str, float] | None = None
     familiarity: float | None = None
     scores: dict[str, dict[str, float]] = {}
@@ -96,6 +111,9 @@ class Intention(msgspec.Struct, frozen=True, kw_only=True):
     def to_dict(self) -> dict[str, Any]:
         """Return plain dictionaries, lists and numbers."""
         message: dict[str, Any] = msgspec.to_builtins(self)
+        if self.aperture is None:  # messages of other selectors stay as they were
+            for name in GRASP_FIELDS:
+                del message[name]
         return {"schema": message.pop("schema"), **message}
 
     def to_json(self) -> bytes:

@@ -98,7 +98,8 @@ def drive(
             opened.say({"control": what, "hand": settings.hand})
 
         supervisor = Supervisor(
-            acts, settings.grip_names(), clock, settings.close_before, say
+            acts, settings.grip_names(), clock, settings.close_before, say,
+            grip_for=settings.grip_for,
         )  # fmt: skip
         stack.callback(supervisor.close)
         loop = DriveLoop(supervisor, Receiver(settings.hand, clock, opened.same_clock), clock)

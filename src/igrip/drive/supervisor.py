@@ -50,6 +50,9 @@ class Supervisor:
         Called with what the estimator is to be told: ``veto``, ``confirm``, ``opened``.
     margin : float
         It stops this long before the end of a lease [s].
+    grip_for : function, optional
+        Which of its grips the device does when one is asked for; None: it refuses. By default it
+        does those that it can.
 
     Attributes
     ----------
@@ -64,10 +67,11 @@ class Supervisor:
     def __init__(
         self, device: Device, grips: tuple[str, ...], clock: Callable[[], float],
         close_before: float = 0.3, say: Callable[[Say], None] = lambda say: None,
-        margin: float = MARGIN,
+        margin: float = MARGIN, grip_for: Callable[[str], str | None] | None = None,
     ) -> None:  # fmt: skip
         self._device, self._grips, self._clock, self._say = device, frozenset(grips), clock, say
         self._close_before, self._margin = close_before, margin
+        self._grip_for = grip_for or (lambda grip: grip if grip in self._grips else None)
         self._newest: Decision | None = None
         self._used = 0  # number of the newest decision that was acted on
         self._acted_at = self._polled_at = self._kept_at = -1.0
@@ -176,7 +180,8 @@ class Supervisor:
         if now < self._veto_until or newest.lease == self._vetoed:
             return None
         assert newest.target is not None
-        if newest.grip not in self._grips:
+        grip = None if newest.grip is None else self._grip_for(newest.grip)
+        if grip is None:
             self.counts["refused"] += 1
             return None
         phase: Phase = self._phase if newest.lease == self._lease else "reach"
@@ -184,7 +189,7 @@ class Supervisor:
         if newest.status == "holding" or near:
             phase = "grasp"
         return Permit(
-            newest.number, newest.hand, newest.target, newest.grip, newest.model, phase,
+            newest.number, newest.hand, newest.target, grip, newest.model, phase,
             newest.until - self._margin,
         )  # fmt: skip
 

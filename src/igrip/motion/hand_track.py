@@ -7,6 +7,7 @@ import math
 from igrip.entities import Hand
 from igrip.gating import Gate, GatingConfig
 from igrip.intention import Status
+from igrip.motion.palm_axes import palm_axes
 from igrip.motion.trajectory import Motion, MotionConfig, Trajectory
 
 
@@ -54,6 +55,8 @@ class HandTrack:
         if verdict.action == "restart":
             self.trajectory.reset()
         self.motion = self.trajectory.update(self.gate.newest, hand.position)
+        if self.motion is not None and (hand.landmarks or hand.orientation):
+            self.motion = self.motion._replace(palm=palm_axes(hand))
         return True
 
     def reject(self, now: float, reason: str) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
+from igrip.motion.palm_axes import PalmAxes
 from igrip.motion.quadratic_fit import predict
 from igrip.motion.reach_detection import ReachConfig, ReachDetector
 from igrip.motion.reach_kernel import ReachState
@@ -54,6 +55,8 @@ class Motion(NamedTuple):
         Predicted velocities [m/s].
     reach : ReachState
         Phase and course of the movement so far, from the measured samples.
+    palm : PalmAxes or None
+        How the hand is turned, where its source measures that.
     """
 
     t: float
@@ -65,6 +68,7 @@ class Motion(NamedTuple):
     future: Array
     future_velocity: Array
     reach: ReachState
+    palm: PalmAxes | None = None
 
 
 class Trajectory:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -212,6 +213,7 @@ def _load(mesh: MeshFile | Primitive) -> ObjectModel:
     model = build_model(
         mesh.name, mesh.read(), mesh.options.symmetry, None if axis is None else np.array(axis)
     )
+    model = replace(model, grasps=mesh.options.grasps)
     remarks = mesh.remarks if isinstance(mesh, MeshFile) else []
     _write_cache(path, model, remarks)
     _warn(remarks)
@@ -241,7 +243,11 @@ def _read_cache(path: Path, mesh: MeshFile | Primitive) -> tuple[ObjectModel, li
         remarks = [str(remark) for remark in stored["remarks"]]
     except (KeyError, TypeError):
         return None  # it is built again
-    return ObjectModel(name=mesh.name, symmetry=mesh.options.symmetry, **fields), remarks
+    options = mesh.options
+    model = ObjectModel(
+        name=mesh.name, symmetry=options.symmetry, grasps=options.grasps, **fields
+    )  # fmt: skip
+    return model, remarks
 
 
 def _write_cache(path: Path, model: ObjectModel, remarks: Sequence[str]) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import trimesh
 
 from igrip.errors import MeshUnitError, ObjectsError
+from igrip.objects.declared_grasp import DeclaredGrasp
 from igrip.objects.mesh_reader import read_mesh_file
 from igrip.objects.stray_bodies import without_ground_plane
 from igrip.settings import Settings
@@ -43,6 +44,8 @@ class MeshOptions(Settings):
         ``none``, ``cylinder`` or ``box``.
     alias : list of str
         Further names.
+    grasps : list of DeclaredGrasp
+        How it is grasped, in place of what its mesh allows (:mod:`igrip.grasps`).
     """
 
     file: str | None = None
@@ -51,6 +54,7 @@ class MeshOptions(Settings):
     axis: tuple[float, float, float] | None = None
     symmetry: Literal["none", "cylinder", "box"] = "none"
     alias: tuple[str, ...] = ()
+    grasps: tuple[DeclaredGrasp, ...] = ()
 
 
 @dataclass(frozen=True)

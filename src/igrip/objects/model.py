@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from igrip.errors import ObjectsError
 from igrip.mesh.bvh import Bvh, build_bvh, build_point_tree
 from igrip.mesh.inscribed_spheres import inscribed_spheres
+from igrip.objects.declared_grasp import DeclaredGrasp
 
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "cylinder", "box"]
@@ -44,6 +45,8 @@ class ObjectModel:
         Centres and radii of spheres inside it, see :mod:`igrip.mesh.inscribed_spheres`.
     bvh, vertex_tree : Bvh
         Trees of its triangles and of the vertices they use.
+    grasps : tuple of DeclaredGrasp
+        How the user says that it is grasped; empty: as its mesh allows (:mod:`igrip.grasps`).
     """
 
     name: str
@@ -58,6 +61,7 @@ class ObjectModel:
     symmetry: Symmetry
     bvh: Bvh
     vertex_tree: Bvh
+    grasps: tuple[DeclaredGrasp, ...] = ()
 
     @property
     def axis(self) -> Array:

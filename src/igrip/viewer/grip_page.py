@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from igrip.objects.model import ObjectModel
+from igrip.viewer.grasp_lines import grasp_lines
 from igrip.viewer.grip_zones import PALMAR, PINCH, grip_zones
 from igrip.viewer.page_messages import encode_mesh
 from igrip.viewer.server import Viewer
@@ -44,12 +45,16 @@ class GripPage(Viewer):
             border = pinch_from * half
             lines.append({"colour": "#d02020", "points": [x, 0, 0, x, 0, 1.35 * half]})
             lines.append({"colour": "#5b6672", "points": _outline(x, model.radius, half)})
+            lines += grasp_lines(model, np.array([x, 0.0, 0.0]))
             rows.append([model.name, f"{1e3 * half:.1f} mm", f"±{1e3 * border:.1f} mm"])
         scene = {"t": 0.0, "objects": objects, "hands": [], "rows": [], "lines": lines}
         self.publish("scene", scene)
         columns = ["object", "half-length", "pinch beyond"]
         self.publish("borders", {"columns": columns, "rows": rows})
-        text = "a hand beside the blue part takes a palmar grip, beside the magenta one a pinch"
+        text = (
+            "a hand beside the blue part takes a palmar grip, beside the magenta one a pinch;"
+            " lines: grasp candidates, green with the palm and orange with the fingers"
+        )
         self.note("Grip by height", text)
 
     def _paint(

@@ -6,12 +6,13 @@ import tomllib
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from igrip.devices.base.limits import MAX_CURRENT, MAX_FREQUENCY, MAX_WIDTH
 from igrip.errors import IgripError
 from igrip.io.text import TextError, read_text
 from igrip.settings import Settings, problem_of, quantity
+from igrip.taxonomy import GRIP_TYPES, PAPER_GRIP, stand_in
 
 Phase = Literal["reach", "grasp"]
 TWIN = "twin"
@@ -33,6 +34,10 @@ class DeviceSettings(Settings):
     when_silent : str
         What the end of the lease means once it holds: ``stop``, or ``keep`` what it holds, without
         closing further. Before it holds, the end always stops it.
+    instead : dict
+        For a grip that it cannot do, those to do instead, the first that it can. Without an entry
+        the taxonomy's nearest is done (:data:`igrip.taxonomy.GRIP_TYPES`), but nothing for the
+        paper's two grips: a device that has no pinch refuses to pinch.
     """
 
     port: str = TWIN
@@ -43,10 +48,29 @@ class DeviceSettings(Settings):
         "when the hand holds", "guess", ge=0, le=2,
     )  # fmt: skip
     confirm: bool = False
+    instead: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+
+    @field_validator("instead")
+    @classmethod
+    def _check_instead(cls, instead: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        unknown = [grip for grip in instead if grip not in GRIP_TYPES]
+        if unknown:
+            raise ValueError(f"no grip {unknown[0]!r:.40}; there are: {', '.join(GRIP_TYPES)}")
+        return instead
 
     def grip_names(self) -> tuple[str, ...]:
         """Return the grips it can do."""
         return ()
+
+    def grip_for(self, grip: str) -> str | None:
+        """Return the grip that it does when this one is asked for; None: it refuses."""
+        able = self.grip_names()
+        order = self.instead.get(grip)
+        if order is not None:
+            return next((name for name in (grip, *order) if name in able), None)
+        if grip in PAPER_GRIP.values():
+            return grip if grip in able else None
+        return stand_in(grip, able)
 
 
 class Channel(Settings):
