@@ -67,6 +67,6 @@ def test_without_it_nothing_is_predicted(tmp_path):
 
 def test_a_misspelt_estimator_is_answered_with_the_one_that_was_meant(folder):
     path = folder / "study.toml"
-    path.write_text(path.read_text().replace('"distance"', '"distanse"'))
+    path.write_text(path.read_text().replace('"distance"', '"distanze"'))
     with pytest.raises(StudyError, match=r"study\.toml.*did you mean 'distance'"):
         read_study(folder)

@@ -147,6 +147,13 @@ def test_a_cluster_simulates_the_same_people(ycb, cluster, tmp_path):
     assert written[0] == written[1]
 
 
+@pytest.mark.parametrize("address", ["http://127.0.0.1:8787", "tcp://127.0.0.1", "foo://x:1", "x"])
+def test_what_is_no_address_of_a_scheduler(address):
+    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    with pytest.raises(ClusterError, match="give the scheduler's own address"):
+        list(Workers(scheduler=address).map(int, ["1"]))
+
+
 def test_an_error_of_the_work_reaches_the_caller(cluster):
     with pytest.raises(ValueError, match="invalid literal"):
         list(Workers(scheduler=cluster[0]).map(int, ["1", "x"]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 from typing import Annotated
 
@@ -30,6 +31,7 @@ from igrip.lab.benchmark.sets import DECLARED, DESCRIPTION, open_set, parse_set
 from igrip.lab.parallel import Workers, count_jobs
 from igrip.objects.catalog import load_objects
 from igrip.targets import TARGETS
+from igrip.version import __version__
 
 
 def benchmark(
@@ -70,15 +72,15 @@ def benchmark(
     named = dict(parse_set(text) for text in sets)
     if len(named) < len(sets):
         raise DatasetError("two sets have the same name; give NAME=FOLDER")
-    with requires_extra("pandas", "report", "the benchmark"):
+    with requires_extra("pandas", "benchmark", "the benchmark"):
         from igrip.lab.benchmark.table import frame_of, lines_of, markdown, sum_up
     out.mkdir(parents=True, exist_ok=True)
     rows = []
     kept = f"what is done is kept in {out}; the same command goes on from there"
     with interruptible(kept):
-        for name, folder in named.items():
-            judged = open_set(name, _dataset_of(name, folder, out))
-            judged = judged.spread(limit)
+        opened = [open_set(n, _dataset_of(n, folder, out)) for n, folder in named.items()]
+        for judged in (one.spread(limit) for one in opened):
+            name = judged.name
             catalog = load_objects(*judged.dataset.objects)
             with errors.status(f"trying the entries on {name} …"):
                 check_entries(entries, judged, catalog)
@@ -115,7 +117,7 @@ def _dataset_of(name: str, folder: Path, out: Path) -> Path:
     """Return the folder of a dataset: the one that is given, or what its files are imported to."""
     if address_of(folder) is not None or (folder / DESCRIPTION).is_file():
         return folder
-    imported = out / "sets" / name
+    imported = out / "sets" / f"{name}-{_files_digest(folder)}"
     if not imported.exists():
         importer = IMPORTERS.get(DECLARED[name].importer)
         files = ImportFiles([folder])
@@ -131,3 +133,12 @@ def _dataset_of(name: str, folder: Path, out: Path) -> Path:
         if problems:
             inform(f"{name}: {len(problems)} reaches left out, the first: {problems[0]:.200}")
     return imported
+
+
+def _files_digest(folder: Path) -> str:
+    """Return what changes when files below a folder do, or igrip."""
+    found = hashlib.sha256(__version__.encode())
+    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+        status = path.stat()
+        found.update(f"{path} {status.st_size} {status.st_mtime_ns}\n".encode())
+    return found.hexdigest()[:8]

@@ -3,11 +3,12 @@
 import json
 import pickle
 import shutil
+from pathlib import Path
 
 import pytest
 
 from igrip import Config
-from igrip.errors import DatasetError, RecordingError
+from igrip.errors import DatasetError, RecordingError, StorageError
 from igrip.io.datasets.dataset import Dataset
 from igrip.io.datasets.shared import SharedFolder, address_of, open_dataset
 from igrip.io.datasets.trial import Trial
@@ -36,7 +37,9 @@ def stored(small_dataset):
 
 @pytest.mark.parametrize(("path", "address"), [
     ("s3://bucket/cohort", "s3://bucket/cohort"), ("s3:/bucket/cohort/", "s3://bucket/cohort"),
-    ("gs://b", "gs://b"), ("C:/data/cohort", None), ("/data/cohort", None), ("cohort", None),
+    ("gs://b", "gs://b"), ("file:///data/x", "file:///data/x"), ("file:/data/x", "file:///data/x"),
+    (Path("file:///data/x"), "file:///data/x"), (Path("s3://b/c"), "s3://b/c"),
+    ("C:/data/cohort", None), ("/data/cohort", None), ("cohort", None),
     ("a:b", None),
 ])  # fmt: skip
 def test_what_is_an_address(path, address):
@@ -86,6 +89,34 @@ def test_nothing_is_written_outside_of_the_copy(stored, cache):
     assert not list(cache.rglob("*.stl"))
     with pytest.raises(DatasetError, match="leads out"):
         SharedFolder(stored).fetch("../elsewhere/secret.stl")
+
+
+def test_storage_that_fails_ends_the_work_and_loses_nothing(stored, tmp_path, monkeypatch):
+    opened = open_dataset(stored)
+    evaluation = Evaluation(opened, [Config(targets="distance")], tmp_path / "out")
+    fetch = SharedFolder.fetch
+
+    def down(self, name):
+        if name.startswith("recordings"):
+            raise StorageError("network is down")
+        return fetch(self, name)
+
+    monkeypatch.setattr(SharedFolder, "fetch", down)
+    with pytest.raises(StorageError, match="network is down"):
+        list(evaluation.run(opened.trials, Workers()))
+    monkeypatch.undo()
+    monkeypatch.setattr("igrip.io.datasets.shared.cache_directory", lambda: tmp_path / "other")
+    again = open_dataset(stored)
+    evaluation = Evaluation(again, [Config(targets="distance")], tmp_path / "out")
+    list(evaluation.run(again.trials, Workers()))
+    assert all(row["problem"] is None for row in evaluation.rows)
+
+
+def test_a_dataset_that_was_deleted_is_gone(stored):
+    open_dataset(stored)
+    fsspec.filesystem("memory").rm("/lab/small/dataset.json")
+    with pytest.raises(DatasetError, match="memory://lab/small: is not a dataset"):
+        open_dataset(stored)
 
 
 def test_workers_read_the_same_from_an_address(small_dataset, tmp_path, monkeypatch):

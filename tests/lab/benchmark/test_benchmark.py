@@ -36,11 +36,39 @@ class Mine:
 
 
 class Broken:
+    answer = {"status": 5}
+
     def __init__(self, catalog):
         pass
 
     def update(self, observation):
-        return [{"hand": "right"}]
+        said = {"t": observation.t, "hand": "right", "status": "reaching"} | self.answer
+        return [said] if self.answer else []
+
+
+class Typo(Broken):
+    answer = {"probabilityy": {}}
+
+
+class Late(Broken):
+    answer = {"t": 0.05}
+
+
+class Unsure(Broken):
+    answer = {"probability": {"mug": 0.9, "none": 0.9}}
+
+
+class Odd(Broken):
+    answer = {"probability": {"mug": float("nan"), "none": 1.0}}
+
+
+class Silent(Broken):
+    answer = {}
+
+
+class Throws(Broken):
+    def update(self, observation):
+        raise KeyError("late boom")
 '''
 PROGRAM = """
 import json, sys
@@ -65,6 +93,7 @@ def here(tmp_path, monkeypatch):
     """A folder with an entry in Python and a program."""
     (tmp_path / "my_entry.py").write_text(MODULE)
     (tmp_path / "program.py").write_text(PROGRAM)
+    (tmp_path / "wrong_module.py").write_text("def f(:")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     yield tmp_path
@@ -90,7 +119,7 @@ def test_entries_of_every_kind_give_the_same_numbers(judged, here):
 
 def test_what_is_done_is_not_done_again_unless_the_entry_changed(judged, here, monkeypatch):
     first = rows_of("mine=my_entry:Mine", judged, here)
-    path = here / "rows-small-mine.jsonl"
+    path = here / "rows-small=mine.jsonl"
     path.write_text(path.read_text()[:-40])  # cut short
     asked = []
     answer = run_module._answer
@@ -115,6 +144,8 @@ def test_what_is_done_is_not_done_again_unless_the_entry_changed(judged, here, m
     ("mine=no_such_module:f", "No module named"),
     ("mine=my_entry", "give module:function"),
     ("mine=program:", "needs a command"),
+    ("mine=program:'abc", "No closing quotation"),
+    ("mine=wrong_module:f", "invalid syntax"),
     ("../x=my_entry:Mine", "letters"),
 ])  # fmt: skip
 def test_a_wrong_entry_is_named(here, text, words):
@@ -129,8 +160,14 @@ def test_a_misspelt_estimator_gets_a_suggestion():
 
 @pytest.mark.parametrize(("text", "words"), [
     ("broken=my_entry:Broken", "answered what is no intention"),
+    ("typo=my_entry:Typo", "'probabilityy', which no intention has .did you mean 'probability'"),
+    ("late=my_entry:Late", r"t = 0.05 to an observation at t = "),
+    ("unsure=my_entry:Unsure", "with the sum 1.8, not 1"),
+    ("odd=my_entry:Odd", "not from 0 to 1"),
+    ("silent=my_entry:Silent", "answered nothing"),
+    ("throws=my_entry:Throws", r"'late boom'. .my_entry.py, line \d+. in reach0"),
     ("gone=program:./no-such-program", "No such file"),
-    (f"bad=program:{sys.executable} -c 'raise ValueError(7)'", "exit code 1: ValueError: 7"),
+    (f"bad=program:{sys.executable} -c 'raise ValueError(7)'", r"exit code 1: .*ValueError: 7"),
     (f"text=program:{sys.executable} -c 'print(5)'", "no intention"),
 ])  # fmt: skip
 def test_an_entry_that_fails_is_named(judged, here, text, words):
@@ -147,6 +184,32 @@ def test_the_entry_of_the_page_enters_as_it_stands(judged, here):
     nearest = rows_of("nearest", judged, here)
     assert [row["success"] for row in rows] == [row["success"] for row in nearest]
     assert all(sum(row["calibration_n"]) for row in rows)
+
+
+def test_numbers_of_numpy_are_numbers(judged, here):
+    (here / "my_entry.py").write_text("""
+import numpy as np
+
+class Mine:
+    def __init__(self, catalog):
+        pass
+
+    def update(self, observation):
+        yield {"t": np.float64(observation.t), "hand": "right", "status": "reaching",
+               "probability": {"mug": np.float32(0.25), "none": np.float64(0.75)}}
+""")
+    assert len(rows_of("mine=my_entry:Mine", judged, here)) == len(judged.trials)
+
+
+def test_another_limit_keeps_what_is_done(judged, here, monkeypatch):
+    asked = []
+    answer = run_module._answer
+    monkeypatch.setattr(run_module, "_answer", lambda *a: asked.append(a[-1]) or answer(*a))
+    rows_of("distance", judged, here)
+    few = judged.spread(1)
+    assert len(rows_of("distance", few, here)) == 1
+    rows_of("distance", judged, here)
+    assert len(asked) == len(judged.trials)
 
 
 def test_the_same_people_are_judged_for_good():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from igrip.intention import Intention
+from igrip.intention import Commitment, Intention
 from igrip.lab.benchmark.entries import Answers
 from igrip.lab.evaluation.recorded_trial import Bounds, RecordedTrial
 from igrip.lab.evaluation.trial_description import NO_REACH, find_problem
@@ -52,11 +52,7 @@ def _leases(
 ) -> Row:
     """Return whether the first lease during a reach was right and when, or how many were false."""
     if bounds is None:
-        leases = {
-            (one.hand, one.commitment.target, one.commitment.since)
-            for one in intentions if one.commitment is not None
-        }  # fmt: skip
-        return {"false_leases": len(leases)}
+        return {"false_leases": _count_leases(intentions)}
     onset, end = bounds
     own = (one for one in intentions if one.hand == hand and one.t <= end)
     first = next((one for one in own if one.commitment is not None), None)
@@ -64,5 +60,22 @@ def _leases(
         return {"committed": False, "lease_right": None, "lease_part": None}
     return {
         "committed": True, "lease_right": first.commitment.target == target,
-        "lease_part": (first.t - onset) / (end - onset),
+        "lease_part": max(0.0, (first.t - onset) / (end - onset)),
     }  # fmt: skip
+
+
+def _count_leases(intentions: Sequence[Intention]) -> int:
+    """Return how many leases began: where a hand has one for the first time, anew, or for another.
+
+    What an entry says about when a lease began (``since``) does not count; that it has ended does.
+    """
+    count = 0
+    held: dict[str, Commitment | None] = {}
+    for one in intentions:
+        before, now = held.get(one.hand), one.commitment
+        if now is not None and (
+            before is None or before.target != now.target or before.valid_until < one.t
+        ):
+            count += 1
+        held[one.hand] = now
+    return count

@@ -10,6 +10,7 @@ from pathlib import Path
 from igrip.errors import DatasetError, UnknownNameError
 from igrip.io.datasets.dataset import Dataset, Trial
 from igrip.io.datasets.shared import address_of, open_dataset
+from igrip.io.importers import IMPORTERS
 from igrip.lab.benchmark.entries import NAME
 from igrip.lab.evaluation.runner import spread
 
@@ -81,11 +82,17 @@ def open_set(name: str, folder: Path) -> BenchmarkSet:
     Raises
     ------
     DatasetError
-        If the folder is no dataset, or nobody in it is judged.
+        If the folder is no dataset or another one, or nobody in it is judged.
     """
     dataset = open_dataset(folder, lenient=True)
     if name not in DECLARED:
         return BenchmarkSet(name, dataset, dataset.trials, "everybody")
+    expected = IMPORTERS.get(DECLARED[name].importer).name
+    if dataset.name != expected:
+        raise DatasetError(
+            f"{folder}: holds {dataset.name!r:.60}, not {expected!r}; give the set another name "
+            f"than {name}"
+        )
     trials = [trial for trial in dataset.trials if is_judged(trial.participant)]
     if not trials:
         raise DatasetError(
