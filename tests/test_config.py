@@ -160,7 +160,7 @@ def test_the_ends_of_the_cone_must_be_in_order(slow, fast):
 
 EDGES = (
     "perception.poses.depth", "perception.poses.tags", "perception.poses.cosypose",
-    "perception.hands.mediapipe", "perception.palms", "perception.calibration.extrinsics",
+    "perception.hands.mediapipe", "perception.hands._palms", "perception.calibration.extrinsics",
     "lab.rendering.layout", "lab.rendering.stereo",
 )  # fmt: skip
 
