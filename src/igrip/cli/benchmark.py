@@ -25,7 +25,8 @@ from igrip.io.datasets.shared import address_of
 from igrip.io.import_dataset import import_dataset
 from igrip.io.importers import IMPORTERS, ImportFiles
 from igrip.io.resampling import ImportOptions
-from igrip.lab.benchmark.entries import Entry, EntryError, parse_entry
+from igrip.lab.benchmark.answers import EntryError
+from igrip.lab.benchmark.entries import Entry, parse_entry
 from igrip.lab.benchmark.run import check_entries, run_entry
 from igrip.lab.benchmark.sets import DECLARED, DESCRIPTION, open_set, parse_set
 from igrip.lab.parallel import Workers, count_jobs

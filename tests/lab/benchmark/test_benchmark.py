@@ -14,7 +14,8 @@ from igrip.errors import UnknownNameError
 from igrip.intention import Commitment, Intention
 from igrip.io.datasets.dataset import Trial
 from igrip.lab.benchmark import run as run_module
-from igrip.lab.benchmark.entries import Answers, EntryError, parse_entry
+from igrip.lab.benchmark.answers import Answers, EntryError
+from igrip.lab.benchmark.entries import parse_entry
 from igrip.lab.benchmark.run import run_entry
 from igrip.lab.benchmark.score import score_recording
 from igrip.lab.benchmark.sets import is_judged, open_set, parse_set

@@ -22,12 +22,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Protocol
 
-import msgspec
-
 from igrip.config import Config
-from igrip.errors import IgripError, did_you_mean
 from igrip.estimator import Estimator
 from igrip.intention import Intention
+from igrip.lab.benchmark.answers import Answers, EntryError, checked, intention_of
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
 from igrip.targets import TARGETS
@@ -35,12 +33,7 @@ from igrip.targets import TARGETS
 PROGRAM = "program:"
 NAME = re.compile(r"[A-Za-z0-9_-]{1,40}")
 SHOWN = 5  # lines of what a program that fails has printed
-SUM_TOLERANCE = 1e-3  # of probabilities
 START, EACH = 60.0, 0.5  # s that a program may take to begin, and for a message on average
-
-
-class EntryError(IgripError, ValueError):
-    """An entry of the benchmark cannot be run, or answers with something else than intentions."""
 
 
 class EntryEstimator(Protocol):
@@ -49,22 +42,6 @@ class EntryEstimator(Protocol):
     def update(self, observation: Observation) -> Iterable[Intention | Mapping[str, Any]]:
         """Return the intentions after one observation, as messages or as dictionaries."""
         ...
-
-
-@dataclass(frozen=True)
-class Answers:
-    """What an entry answered to one recording.
-
-    Attributes
-    ----------
-    intentions : list of Intention
-        In order.
-    seconds : float
-        Time that it took [s]; of a program with its start.
-    """
-
-    intentions: list[Intention]
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -201,14 +178,14 @@ def _run_python(estimator: EntryEstimator, observations: Sequence[Observation]) 
         begin = time.perf_counter()
         answers = list(estimator.update(observation))
         seconds += time.perf_counter() - begin
-        for one in map(_intention, answers):
+        for one in map(intention_of, answers):
             if one.t != observation.t:
                 raise EntryError(
                     f"answered with t = {one.t:g} to an observation at t = {observation.t:g}: an "
                     "intention has the time of the observation that it follows"
                 )
             found.append(one)
-    return Answers(_checked(found, observations), seconds)
+    return Answers(checked(found, observations), seconds)
 
 
 def _run_program(command: str, observations: Sequence[Observation]) -> Answers:
@@ -237,7 +214,7 @@ def _run_program(command: str, observations: Sequence[Observation]) -> Answers:
     if program.returncode:
         last = errors.decode(errors="replace").strip().splitlines()[-SHOWN:]
         raise EntryError(f"ended with exit code {program.returncode}: {' | '.join(last):.400}")
-    found = [_intention(line) for line in output.splitlines() if line]
+    found = [intention_of(line) for line in output.splitlines() if line]
     times = {observation.t for observation in observations}
     newest = -math.inf
     for one in found:
@@ -247,7 +224,7 @@ def _run_program(command: str, observations: Sequence[Observation]) -> Answers:
                 "it follows, and they are in order"
             )
         newest = one.t
-    return Answers(_checked(found, observations), seconds)
+    return Answers(checked(found, observations), seconds)
 
 
 def _end(program: subprocess.Popen[bytes]) -> None:
@@ -258,50 +235,3 @@ def _end(program: subprocess.Popen[bytes]) -> None:
         except (AttributeError, ProcessLookupError):  # Windows has no groups
             program.kill()
         program.communicate()
-
-
-def _intention(found: Intention | Mapping[str, Any] | bytes) -> Intention:
-    if isinstance(found, Intention):
-        return found
-    try:
-        fields = msgspec.json.decode(found) if isinstance(found, bytes) else _plain(found)
-        unknown = sorted(set(fields) - set(Intention.__struct_fields__) - {"schema"})
-        if unknown:
-            near = did_you_mean(unknown[0], Intention.__struct_fields__)
-            raise EntryError(f"answered with {unknown[0]!r:.60}, which no intention has{near}")
-        return msgspec.convert(fields, Intention)
-    except (msgspec.MsgspecError, TypeError) as error:
-        raise EntryError(f"answered what is no intention: {found!r:.100}: {error}") from None
-
-
-def _plain(value: Any) -> Any:
-    """Return a value with Python's own numbers in place of numpy's."""
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value.tolist() if hasattr(value, "tolist") else value
-
-
-def _checked(found: list[Intention], observations: Sequence[Observation]) -> list[Intention]:
-    """Return intentions that can be scored.
-
-    Raises
-    ------
-    EntryError
-        If there are none, or their probabilities are none.
-    """
-    if not found and any(observation.hands for observation in observations):
-        raise EntryError("answered nothing to a recording with hands")
-    for one in found:
-        if one.probability is None:
-            continue
-        values = one.probability.values()
-        if not all(0.0 <= value <= 1.0 for value in values):
-            raise EntryError(f"gave probabilities that are not from 0 to 1: {one.probability}")
-        if abs(sum(values) - 1.0) > SUM_TOLERANCE:
-            raise EntryError(
-                f"gave probabilities with the sum {sum(values):.4g}, not 1 (with 'none'): "
-                f"{one.probability}"
-            )
-    return found

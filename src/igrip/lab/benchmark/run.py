@@ -9,7 +9,8 @@ from pathlib import Path
 
 from igrip.errors import IgripError, RecordingError
 from igrip.io.datasets.dataset import Dataset, Trial
-from igrip.lab.benchmark.entries import Entry, EntryError
+from igrip.lab.benchmark.answers import EntryError
+from igrip.lab.benchmark.entries import Entry
 from igrip.lab.benchmark.score import Row, score_recording
 from igrip.lab.benchmark.sets import BenchmarkSet
 from igrip.lab.evaluation.fingerprint import fingerprint

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from igrip.intention import Commitment, Intention
-from igrip.lab.benchmark.entries import Answers
+from igrip.lab.benchmark.answers import Answers
 from igrip.lab.evaluation.recorded_trial import Bounds, RecordedTrial
 from igrip.lab.evaluation.trial_description import NO_REACH, find_problem
 from igrip.lab.evaluation.trial_metrics import score_answers
