@@ -27,9 +27,11 @@ def test_two_thousand_faults(ycb):
 def test_the_observer_sees_what_the_supervisor_is_for(ycb, monkeypatch, blind):
     """Without one of its rules something goes wrong, and the observer says so."""
     if blind == "margin":
-        monkeypatch.setattr(supervisor.Supervisor.__init__, "__defaults__", (
-            *supervisor.Supervisor.__init__.__defaults__[:2], -0.1
-        ))  # fmt: skip
+        defaults = supervisor.Supervisor.__init__.__defaults__
+        assert defaults[2] == supervisor.MARGIN
+        monkeypatch.setattr(
+            supervisor.Supervisor.__init__, "__defaults__", (*defaults[:2], -0.1, *defaults[3:])
+        )
     elif blind == "end":
         monkeypatch.setattr(supervisor.Supervisor, "stop", lambda self: None)
         monkeypatch.setattr("drive.chaos.LINE_DELAY", 0.5)
