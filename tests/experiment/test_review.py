@@ -65,7 +65,7 @@ def test_every_recording_is_there_with_its_movement(review):
         assert not row["corrected"]
         assert row["valid"] or row["reason"]
     assert sum(row["repeated"] for row in found.values()) == 2
-    assert [row["trial"] for row in found.values() if not row["as_told"]] == [1, 1, 8, 8]
+    assert [row["trial"] for row in found.values() if not row["performed"]] == [1, 1, 8, 8]
 
 
 def test_a_correction_is_in_the_table_and_the_old_one_in_the_log(review):
@@ -164,4 +164,4 @@ def test_a_review_of_nothing_says_so(tmp_path):
 def test_the_log_is_json_lines(review):
     review.judge("P01_t002_left", False)
     lines = review._folder.review("P01").read_text().splitlines()
-    assert json.loads(lines[-1])["as_told"] is False
+    assert json.loads(lines[-1])["performed"] is False

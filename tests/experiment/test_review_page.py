@@ -119,8 +119,8 @@ def test_what_it_refuses_it_names(served):
     name = "P01_t001_left"
     assert "must lie within" in post("/correct", recording=name, onset_s=2, end_s=1)[1]
     assert "must be numbers" in post("/correct", recording=name, onset_s="x", end_s=1)[1]
-    assert "is no recording" in post("/judge", recording="../x", as_told=True)[1]
-    assert post("/judge", recording=name, as_told="yes")[0] == 404
+    assert "is no recording" in post("/judge", recording="../x", performed=True)[1]
+    assert post("/judge", recording=name, performed="yes")[0] == 404
     for path in ("/picture/../../etc/0", f"/picture/{name}/9999", "/recording/nothing"):
         with pytest.raises(urllib.error.HTTPError, match="404"):
             urllib.request.urlopen(f"{url}{path}", timeout=PATIENCE)

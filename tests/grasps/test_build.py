@@ -10,18 +10,11 @@ from grasps.shapes import OPEN_SHAPES, SHAPES, bottle
 from grasps.variants import brought_back, decimated, found_again, noisy, turned
 from igrip.grasps.build import build_candidates
 from igrip.grasps.candidate import CLEARANCE
+from igrip.objects.catalog import YCB_VIDEO
 from igrip.objects.model import build_model
 from igrip.taxonomy import paper_grip
 from oracle.grasps import is_antipodal
 from support import PAPER
-
-VIDEO = (  # the 21 models of YCB-Video
-    "002_master_chef_can", "003_cracker_box", "004_sugar_box", "005_tomato_soup_can",
-    "006_mustard_bottle", "007_tuna_fish_can", "008_pudding_box", "009_gelatin_box",
-    "010_potted_meat_can", "011_banana", "019_pitcher_base", "021_bleach_cleanser", "024_bowl",
-    "025_mug", "035_power_drill", "036_wood_block", "037_scissors", "040_large_marker",
-    "051_large_clamp", "052_extra_large_clamp", "061_foam_brick",
-)  # fmt: skip
 
 
 def of(mesh, **options):
@@ -43,7 +36,7 @@ def test_every_candidate_of_shapes_holds(name):
     assert_graspable(mesh.vertices, mesh.faces, of(mesh))
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) for n in VIDEO])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) for n in YCB_VIDEO])
 def test_every_candidate_of_the_ycb_video_models_holds(ycb, name):
     model = ycb[name]
     assert_graspable(model.vertices, model.faces, build_candidates(model))
@@ -128,7 +121,7 @@ def test_stable_under_noise_and_decimation(ycb, change, group):
     """Of the candidates with a prior of 0.1 at least; all that are found hold."""
     rng = np.random.default_rng(1)
     found = every = 0
-    for name in VIDEO[group::5]:
+    for name in YCB_VIDEO[group::5]:
         mesh = trimesh.Trimesh(ycb[name].vertices, ycb[name].faces, process=False)
         other = change(mesh, rng)
         again = of(other)

@@ -27,9 +27,10 @@ from igrip.io.recordings import open_writer
 from igrip.objects.catalog import PAPER_OBJECTS, load_objects
 from igrip.objects.mesh_writer import models_beside, write_models
 from igrip.perception.cameras import Camera, open_camera, split_names
+from igrip.perception.options import parse_options
 from igrip.perception.pipeline.pipeline import Pipeline
 from igrip.perception.pipeline.stages import hand_stages, object_stages, warm_up_stages
-from igrip.perception.poses import POSES, parse_options
+from igrip.perception.poses import POSES
 from igrip.runtime.clock_sync import RunClock
 from igrip.runtime.loop import Loop, Output, Sender
 from igrip.runtime.options import HANDS, Options

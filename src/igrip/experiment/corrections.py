@@ -20,7 +20,7 @@ class Corrections:
 
     def __init__(self, events: Iterable[Mapping[str, Any]] = ()) -> None:
         self._bounds: dict[str, Bounds | None] = {}
-        self._as_told: dict[tuple[int, int], bool] = {}
+        self._performed: dict[tuple[int, int], bool] = {}
         for event in events:
             self.add(event)
 
@@ -33,12 +33,12 @@ class Corrections:
         elif name == "bounds_withdrawn":
             self._bounds[str(event["recording"])] = None
         elif name == "judged":
-            self._as_told[int(event["trial"]), int(event["attempt"])] = bool(event["as_told"])
+            self._performed[int(event["trial"]), int(event["attempt"])] = bool(event["performed"])
 
     def bounds(self, recording: str) -> Bounds | None:
         """Return the corrected onset and end [s]; None: those of the trace hold."""
         return self._bounds.get(recording)
 
-    def as_told(self, trial: int, attempt: int) -> bool | None:
+    def performed(self, trial: int, attempt: int) -> bool | None:
         """Return whether the participant did as told; None: what the experimenter said holds."""
-        return self._as_told.get((trial, attempt))
+        return self._performed.get((trial, attempt))

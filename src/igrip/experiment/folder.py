@@ -186,15 +186,15 @@ class StudyFolder:
             if attempt.state in (AttemptState.RECORDING, AttemptState.INTERRUPTED):
                 continue
             trial = plan.trials[attempt.trial - 1]
-            judged = corrections.as_told(attempt.trial, attempt.attempt)
-            as_told = attempt.state is AttemptState.RECORDED if judged is None else judged
+            judged = corrections.performed(attempt.trial, attempt.attempt)
+            performed = attempt.state is AttemptState.RECORDED if judged is None else judged
             for camera in self.study.cameras:
                 name = recording_name(participant, attempt, camera)
                 bounds = corrections.bounds(name)
                 yield {
                     "recording": name, "participant": participant, "trial": attempt.trial,
                     "camera": camera, "camera_side": camera if camera in ("left", "right") else "",
-                    **trial.levels, "performed": "yes" if as_told else "no",
+                    **trial.levels, "performed": "yes" if performed else "no",
                     "onset_s": bounds[0] if bounds else "", "end_s": bounds[1] if bounds else "",
                     "repeat_of": before.get(attempt.trial, ""), "attempt": attempt.attempt,
                     "layout": " ".join(f"{id}:{place}" for id, place in trial.layout.items()),

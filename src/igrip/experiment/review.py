@@ -148,9 +148,9 @@ class Review:
         trial = one.trial
         corrected = self._corrections.bounds(recording)
         bounds = corrected or one.automatic
-        judged = self._corrections.as_told(int(trial.trial or 0), _attempt(trial))
-        as_told = trial.performed == "yes" if judged is None else judged
-        row = replace(trial, performed="yes" if as_told else "no")
+        judged = self._corrections.performed(int(trial.trial or 0), _attempt(trial))
+        performed = trial.performed == "yes" if judged is None else judged
+        row = replace(trial, performed="yes" if performed else "no")
         problem = find_problem(replace(one.recorded, trial=row), bounds)
         description = describe_trial(one.recorded, bounds, ())
         reason = problem or description.get("invalid_reason") or one.damage
@@ -158,7 +158,7 @@ class Review:
             "recording": recording, "trial": int(trial.trial or 0), "attempt": _attempt(trial),
             "camera": trial.camera, "hand": trial.hand, "target": trial.target,
             "grip": trial.grip, "movement": trial.movement, "levels": self._levels(trial),
-            "as_told": as_told,
+            "performed": performed,
             "judged": judged is not None, "bounds": bounds, "corrected": corrected is not None,
             "valid": problem is None and bool(description.get("valid")), "reason": reason,
             "nearest": one.nearest(bounds[1]) if bounds else None,
@@ -203,12 +203,12 @@ class Review:
         if self._corrections.bounds(self[recording].trial.recording) is not None:
             self._add("bounds_withdrawn", recording=recording)
 
-    def judge(self, recording: str, as_told: bool) -> None:
+    def judge(self, recording: str, performed: bool) -> None:
         """State whether the participant did as told; it holds for all cameras of the attempt."""
         trial = self[recording].trial
         self._add(
             "judged", recording=recording, trial=int(trial.trial or 0), attempt=_attempt(trial),
-            as_told=as_told,
+            performed=performed,
         )  # fmt: skip
 
     def pictures(self, recording: str) -> list[tuple[float, bytes]]:

@@ -80,8 +80,8 @@ class ReviewPage(PageServer):
                 self._review.correct(name, onset, end)
             elif path == "/withdraw":
                 self._review.withdraw(name)
-            elif path == "/judge" and isinstance(values.get("as_told"), bool):
-                self._review.judge(name, values["as_told"])
+            elif path == "/judge" and isinstance(values.get("performed"), bool):
+                self._review.judge(name, values["performed"])
             else:
                 return False
         return True

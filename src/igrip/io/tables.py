@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Callable, Collection, Iterator, Sequence
 from datetime import datetime
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Table:
+class Table(ABC):
     """A table whose columns are read on first access.
 
     Attributes
@@ -51,9 +52,9 @@ class Table:
         """The names of the columns, with the rows of the header joined by ``/``."""
         return tuple("/".join(path) for path in self.layout.paths)
 
+    @abstractmethod
     def cells(self, columns: Sequence[int]) -> Iterator[tuple[int, list[str]]]:
         """Yield the number of the line and the texts of some columns, row by row."""
-        raise NotImplementedError
 
     def find(self, address: str, prefer: Callable[[Sequence[str]], bool] | None = None) -> int:
         """Return the column of an address.

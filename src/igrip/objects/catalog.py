@@ -24,6 +24,14 @@ YCB = "ycb"
 PAPER_OBJECTS = (
     "003_cracker_box", "005_tomato_soup_can", "006_mustard_bottle", "021_bleach_cleanser",
 )  # fmt: skip
+YCB_VIDEO = (
+    "002_master_chef_can", "003_cracker_box", "004_sugar_box", "005_tomato_soup_can",
+    "006_mustard_bottle", "007_tuna_fish_can", "008_pudding_box", "009_gelatin_box",
+    "010_potted_meat_can", "011_banana", "019_pitcher_base", "021_bleach_cleanser", "024_bowl",
+    "025_mug", "035_power_drill", "036_wood_block", "037_scissors", "040_large_marker",
+    "051_large_clamp", "052_extra_large_clamp", "061_foam_brick",
+)  # fmt: skip
+"""The objects of YCB-Video in the order of BOP, whose numbers begin at 1 (Hodan et al. 2018)."""
 _CACHED_BY = (
     "objects/model.py", "objects/mesh_files.py", "objects/stray_bodies.py", "mesh/bvh.py",
     "mesh/inscribed_spheres.py", "mesh/ray.py", "mesh/nearest.py",

@@ -22,17 +22,11 @@ from igrip.io.importers import IMPORTERS, ImportFiles, ReachReader
 from igrip.io.importers._handling import find_reaches
 from igrip.io.recorded_reach import RecordedReach
 from igrip.io.takes.take import Array, Track
+from igrip.objects.catalog import YCB_VIDEO
 
 RATE = 30.0  # frames a second
 PALM = (0, 5, 9, 13, 17)  # joints whose mean is the palm: wrist and knuckles of four fingers
 MISSING = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])  # a pose that is not known
-YCB = (
-    "002_master_chef_can", "003_cracker_box", "004_sugar_box", "005_tomato_soup_can",
-    "006_mustard_bottle", "007_tuna_fish_can", "008_pudding_box", "009_gelatin_box",
-    "010_potted_meat_can", "011_banana", "019_pitcher_base", "021_bleach_cleanser", "024_bowl",
-    "025_mug", "035_power_drill", "036_wood_block", "037_scissors", "040_large_marker",
-    "051_large_clamp", "052_extra_large_clamp", "061_foam_brick",
-)  # fmt: skip
 
 
 class DexYcb:
@@ -79,7 +73,7 @@ def read_sequence(folder: Path) -> RecordedReach:
         extrinsics = _read(calibration / "extrinsics.yml")["extrinsics"]
         poses = {k: _matrix(v) for k, v in extrinsics.items()}
         table_from_world: Array = np.linalg.inv(poses["apriltag"]).astype(np.float64)
-        names = [YCB[int(number) - 1] for number in meta["ycb_ids"]]
+        names = [YCB_VIDEO[int(number) - 1] for number in meta["ycb_ids"]]
         side = str(meta["mano_sides"][0])
         with np.load(folder / "pose.npz", allow_pickle=False) as archive:
             objects = _objects(archive["pose_y"], names, table_from_world)

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_closing, label
 from scipy.spatial import ConvexHull, QhullError
 
-from igrip.perception.registration.plane import Plane, find_plane
+from igrip.perception.registration.plane import Plane
+from igrip.perception.registration.table import find_table, is_still_there
 from igrip.perception.transforms import inverse
 from igrip.rgbd import Array, RgbdFrame
 
@@ -16,7 +17,6 @@ HALF = 150  # cells from the camera's foot to the end of that grid
 MIN_AREA = 0.06  # m²; a smaller plane is no table to reach over; guess
 DISTANCE = (0.15, 1.8)  # of the camera from the plane [m]; farther is a floor or a wall; guess
 MIN_UP = np.cos(np.radians(30.0))  # of the plane's normal, where the camera's place is known
-STILL_THERE = 0.4  # share of the plane's points that must stay, else it is looked for anew
 OFTEN = 4  # pixels on a cell of the table, so that it is one
 
 
@@ -32,7 +32,7 @@ class Table:
     """
 
     def __init__(self, points: Array, frame: RgbdFrame, random: np.random.Generator) -> None:
-        plane = None if len(points) < 100 else find_plane(points, random)
+        plane = None if len(points) < 100 else find_table(points, random)
         if plane is None:
             raise NoTableError("no plane is large enough to be one")
         _check(plane, frame)
@@ -45,14 +45,7 @@ class Table:
 
     def is_where_it_was(self, points: Array, frame: RgbdFrame) -> bool:
         """Whether the plane still holds points, (n, 3) in the frame of the camera."""
-        if not self.is_seen_from(frame):
-            return False
-        table_from_camera = self.plane.table_from_camera
-        heights = points @ table_from_camera[2, :3] + table_from_camera[2, 3]
-        near = np.maximum(0.012, 4.0 * self.plane.noise * points[:, 2] ** 2)
-        return bool(len(points)) and bool(
-            (np.abs(heights) < near).mean() > STILL_THERE * self.plane.share
-        )
+        return self.is_seen_from(frame) and is_still_there(self.plane, points)
 
     def is_seen_from(self, frame: RgbdFrame) -> bool:
         """Whether a camera stands where it stood."""

@@ -72,10 +72,10 @@ def _merged(hand: list[tuple[str, HandDetection]], camera: str) -> HandDetection
     first = next((one for _, one in hand if len(one.landmarks) == LANDMARKS), hand[0][1])
     label = next((one.label for _, one in hand if one.label is not None), None)
     score = max(one.score for _, one in hand)
-    told = first.measured
-    assert told is not None
+    shown = first.measured
+    assert shown is not None
     measured = Hand(
-        position=(x, y, z), t=told.t, landmarks=told.landmarks, std=(a, b, c), score=score,
+        position=(x, y, z), t=shown.t, landmarks=shown.landmarks, std=(a, b, c), score=score,
         source=f"{camera} {names}",
     )  # fmt: skip
     return HandDetection(first.landmarks, score, label, measured)

@@ -8,8 +8,8 @@ from typing import Any
 from igrip.errors import IgripError, MissingExtraError
 from igrip.perception.hands import HANDS, HandDetection, HandDetector, new_detector
 from igrip.perception.hands._fusion import fuse
-from igrip.perception.hands._options import hand_options
 from igrip.perception.hands._palms import measure_palm
+from igrip.perception.options import validated
 from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings
 
@@ -48,7 +48,7 @@ class AutoHands:
     """
 
     def __init__(self, options: Mapping[str, Any] | None = None) -> None:
-        asked = hand_options(AutoOptions, "auto", options)
+        asked = validated(AutoOptions, "hands auto", options)
         self._members: list[tuple[str, HandDetector]] = []
         self._missing: list[str] = []
         if asked.tags is not None:

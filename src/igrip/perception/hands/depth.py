@@ -19,7 +19,7 @@ from igrip.perception.arms.blobs import Scene, find_blobs, scene_of
 from igrip.perception.arms.table import NoTableError, Table
 from igrip.perception.arms.tracks import Arm, ArmTracker
 from igrip.perception.hands import HANDS, HandDetection
-from igrip.perception.hands._options import hand_options
+from igrip.perception.options import validated
 from igrip.perception.registration.visibility import local_depths
 from igrip.perception.transforms import inverse
 from igrip.rgbd import Array, RgbdFrame
@@ -79,7 +79,7 @@ class DepthHands:
     needs_depth = True
 
     def __init__(self, options: Mapping[str, Any] | DepthHandsConfig | None = None) -> None:
-        self._config = hand_options(DepthHandsConfig, "depth", options)
+        self._config = validated(DepthHandsConfig, "hands depth", options)
         self._random = np.random.default_rng(self._config.seed)
         self._cameras: dict[str, _CameraState] = {}
         self.problem: str | None = None
@@ -111,8 +111,10 @@ class DepthHands:
         scene = scene_of(depth, points, camera.table)
         changes = camera.background.compare(depth, scene.tolerance, dt)
         blobs = find_blobs(scene, changes, camera.background)
-        eye = camera.table.plane.table_from_camera[:3, 3]
-        arms = camera.tracker.update(frame.t, blobs, eye, self._outside(camera, eye))
+        camera_place = camera.table.plane.table_from_camera[:3, 3]
+        arms = camera.tracker.update(
+            frame.t, blobs, camera_place, self._outside(camera, camera_place)
+        )
         held = np.zeros(depth.shape, dtype=np.bool_)
         for arm in arms:
             if not camera.tracker.at_rest(arm, frame.t):
@@ -159,7 +161,7 @@ class DepthHands:
         self.problem = None
         return True
 
-    def _outside(self, camera: _CameraState, eye: Array) -> Array:
+    def _outside(self, camera: _CameraState, camera_place: Array) -> Array:
         """Return a place beyond the table where people are, (3,): where arms came in before.
 
         Until then, opposite the camera.
@@ -167,7 +169,11 @@ class DepthHands:
         assert camera.table is not None
         entered = [arm.entry for arm in camera.tracker.arms if arm.blob.entry is not None]
         centre = np.array([*camera.table.centre, 0.0])
-        side = np.mean(entered, axis=0) - centre if entered else (centre - eye) * [1.0, 1.0, 0.0]
+        side = (
+            np.mean(entered, axis=0) - centre
+            if entered
+            else (centre - camera_place) * [1.0, 1.0, 0.0]
+        )
         length = float(np.linalg.norm(side))
         place: Array = centre + (side / length if length > 0.05 else np.array([0.0, 1.0, 0.0]))
         return place

@@ -20,8 +20,8 @@ from igrip.errors import requires_extra
 from igrip.perception.hands import HANDS, HandDetection
 from igrip.perception.hands._image_tiles import Tile, distinct, is_stump, search_tiles, tile_around
 from igrip.perception.hands._mediapipe_model import hand_model
-from igrip.perception.hands._options import hand_options
 from igrip.perception.opencv import load_opencv
+from igrip.perception.options import validated
 from igrip.rgbd import RgbdFrame
 from igrip.settings import Settings, quantity
 
@@ -84,7 +84,7 @@ class MediaPipeHands:
         with requires_extra("mediapipe", "hands", "detecting hands"):
             import mediapipe
             from mediapipe.tasks.python import BaseOptions, vision
-        self._config = hand_options(MediaPipeConfig, "mediapipe", options)
+        self._config = validated(MediaPipeConfig, "hands mediapipe", options)
         self._mediapipe, self._vision = mediapipe, vision
         self._base = BaseOptions(model_asset_path=str(hand_model()))
         self._cameras: dict[str, _CameraState] = {}

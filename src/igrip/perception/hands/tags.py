@@ -6,29 +6,30 @@ A tag says whose hand it is, and where the palm is from it.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from igrip.entities import Hand, Quaternion, Vector
+from igrip.entities import Hand, Vector
 from igrip.errors import IgripError
-from igrip.io.text import TextError, read_text
 from igrip.perception.hands import HANDS, HandDetection
-from igrip.perception.hands._options import hand_options
 from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.tag_options import PlacedTag, TagSearch, read_tag_options
 from igrip.perception.tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.transforms import inverse, rigid
 from igrip.rgbd import Array, RgbdFrame
-from igrip.settings import Settings, quantity
+from igrip.settings import quantity
 
+MISSING = (
+    "which tags are on which hand? --hand-option tags=FILE.toml with tables [tags.7]: "
+    'hand = "right", size = 0.03, palm = [0.0, 0.07, -0.03]'
+)
 TURN = math.radians(3.0)  # by which a tag's normal may be off, seen face on; guess
 
 
-class HandTag(Settings):
+class HandTag(PlacedTag):
     """One tag on a hand or its arm.
 
     Attributes
@@ -37,36 +38,18 @@ class HandTag(Settings):
         ``right`` or ``left``.
     palm : 3 floats
         The palm's centre in the frame of the tag: origin at its centre, x to the right, y up, z out
-        of it [m].
-    position, orientation : 3 and 4 floats
-        Where the tag is on what it is stuck to, if several are on one: pose in a frame that they
-        share, quaternion x, y, z, w. ``palm`` then is in that frame.
+        of it [m]. If several tags are on one hand, ``position`` and ``orientation`` place each in a
+        frame that they share, and ``palm`` is in that.
     """
 
     hand: Literal["right", "left"]
-    size: float = quantity(..., "m", "edge of the tag's black square", gt=0.0, le=1.0)
     palm: Vector = (0.0, 0.0, 0.0)
-    position: Vector = (0.0, 0.0, 0.0)
-    orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
-class HandTagsOptions(Settings):
-    """The options of the hand detector ``tags``.
+class HandTagsOptions(TagSearch):
+    """The options of the hand detector ``tags``."""
 
-    Attributes
-    ----------
-    tags : mapping of int to HandTag
-        By number; in a TOML file: tables ``[tags.7]``.
-    family : str
-        Of all tags.
-    """
-
-    tags: dict[int, HandTag]
-    family: str = "tag36h11"
-    decimate: float = quantity(2.0, "1", "tags are looked for in a smaller picture", "docs/tags.md")
-    max_pose_age: float = quantity(
-        0.3, "s", "of a pose that may decide between two new ones", "guess", ge=0
-    )
+    tags: Mapping[int, HandTag]
     fit: float = quantity(
         0.008, "m", "by which a band slips and an offset is measured wrongly", "guess", gt=0
     )
@@ -95,7 +78,7 @@ class TagHands:
     """
 
     def __init__(self, options: Mapping[str, Any] | None = None) -> None:
-        self._options = read_hand_tags(options or {})
+        self._options = read_tag_options(HandTagsOptions, "hands tags", options or {}, MISSING)
         self._placements: dict[str, dict[int, TagPlacement]] = {}
         self._palms: dict[str, Array] = {}
         for number, tag in self._options.tags.items():
@@ -171,24 +154,3 @@ class TagHands:
         pixel = frame.intrinsics.pixels(palm[None])
         points = np.vstack([pixel, *(tag.corners for tag in tags)])
         return HandDetection(points, probability, hand, measured)
-
-
-def read_hand_tags(options: Mapping[str, Any]) -> HandTagsOptions:
-    """Read the options, and the file that ``tags`` may name."""
-    given = dict(options)
-    if isinstance(given.get("tags"), str | Path):
-        path = Path(given.pop("tags"))
-        try:
-            given = tomllib.loads(read_text(path)) | given
-        except (OSError, TextError, tomllib.TOMLDecodeError) as error:
-            raise IgripError(f"{path}: cannot be read: {error}") from error
-    if not given.get("tags"):
-        raise IgripError(
-            "hands tags: which tags are on which hand? --hand-option tags=FILE.toml with tables "
-            '[tags.7]: hand = "right", size = 0.03, palm = [0.0, 0.07, -0.03]'
-        )
-    read = hand_options(HandTagsOptions, "tags", given)
-    for number, tag in read.tags.items():
-        if not 0.99 < float(np.linalg.norm(tag.orientation)) < 1.01:
-            raise IgripError(f"hands tags: tags.{number}.orientation: is not a rotation")
-    return read

@@ -7,11 +7,8 @@ from typing import Any, Protocol
 
 from igrip.entities import ObjectPose
 from igrip.objects.catalog import Catalog
-from igrip.perception.poses._options import parse_options
 from igrip.registry import Registry
 from igrip.rgbd import Array, RgbdFrame
-
-__all__ = ["POSES", "PoseEstimator", "parse_options"]
 
 
 class PoseEstimator(Protocol):

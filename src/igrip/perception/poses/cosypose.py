@@ -14,23 +14,15 @@ import numpy as np
 from pydantic import Field
 
 from igrip.entities import ObjectPose
-from igrip.objects.catalog import Catalog
+from igrip.objects.catalog import YCB_VIDEO, Catalog
+from igrip.perception.options import validated
 from igrip.perception.poses import POSES
 from igrip.perception.poses._cosypose_client import Answer, PoseServerClient
-from igrip.perception.poses._options import validated
 from igrip.perception.transforms import is_rigid, object_pose
 from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
-YCBV = (
-    "002_master_chef_can", "003_cracker_box", "004_sugar_box", "005_tomato_soup_can",
-    "006_mustard_bottle", "007_tuna_fish_can", "008_pudding_box", "009_gelatin_box",
-    "010_potted_meat_can", "011_banana", "019_pitcher_base", "021_bleach_cleanser", "024_bowl",
-    "025_mug", "035_power_drill", "036_wood_block", "037_scissors", "040_large_marker",
-    "051_large_clamp", "052_extra_large_clamp", "061_foam_brick",
-)  # fmt: skip
-"""The objects of YCB-Video in the order of BOP, whose numbers begin at 1 (Hodan et al. 2018)."""
-LABELS = {f"ycbv-obj_{number:06d}": name for number, name in enumerate(YCBV, 1)}
+LABELS = {f"ycbv-obj_{number:06d}": name for number, name in enumerate(YCB_VIDEO, 1)}
 ROTATION_TOLERANCE = 1e-2  # by which a matrix may fail to be a rotation
 
 

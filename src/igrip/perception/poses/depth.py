@@ -15,8 +15,8 @@ from pydantic import Field
 from igrip.entities import ObjectPose
 from igrip.errors import IgripError
 from igrip.objects.catalog import Catalog
+from igrip.perception.options import validated
 from igrip.perception.poses import POSES
-from igrip.perception.poses._options import validated
 from igrip.perception.registration.colours import (
     Palette,
     colour_similarity,

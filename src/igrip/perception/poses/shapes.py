@@ -15,8 +15,8 @@ import numpy as np
 from igrip.entities import ObjectPose
 from igrip.errors import IgripError
 from igrip.objects.catalog import Catalog
+from igrip.perception.options import validated
 from igrip.perception.poses import POSES
-from igrip.perception.poses._options import validated
 from igrip.perception.registration.fit import PoseFit
 from igrip.perception.shapes.memory import Memory
 from igrip.perception.shapes.names import read_names, write_names

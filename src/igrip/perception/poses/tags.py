@@ -6,32 +6,34 @@ its two poses, the object keeps its last pose and that pose's time.
 
 from __future__ import annotations
 
-import tomllib
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from igrip.entities import ObjectPose, Quaternion, Vector
+from igrip.entities import ObjectPose, Vector
 from igrip.errors import IgripError
-from igrip.io.text import TextError, read_text
 from igrip.objects.catalog import Catalog
 from igrip.perception.poses import POSES
-from igrip.perception.poses._options import validated
 from igrip.perception.tag_detector import TagDetection, TagDetector
+from igrip.perception.tag_options import PlacedTag, TagSearch, read_tag_options
 from igrip.perception.tag_pose import TagPlacement, TagPose, choose_pose, tag_poses
 from igrip.perception.transforms import object_pose, rigid
 from igrip.rgbd import Array, RgbdFrame
-from igrip.settings import Settings, quantity
+from igrip.settings import quantity
 
+MISSING = (
+    "the pose estimator needs to know which tags are on what: option tags = "
+    '{7: {"model": "006_mustard_bottle", "size": 0.03, "position": …, "orientation": …}}'
+    ", or the path of a TOML file with tables [tags.7]"
+)
 NEARER = 0.03  # m: what is so much nearer than a tag hides it; guess
 
 
-class TagOptions(Settings):
-    """One tag on an object.
+class TagOptions(PlacedTag):
+    """One tag on an object; ``position`` and ``orientation`` are in the mesh's own frame.
 
     Attributes
     ----------
@@ -39,44 +41,29 @@ class TagOptions(Settings):
         Of the catalogue.
     id : str or None
         Of the object; by default the model's name.
-    position, orientation : 3 and 4 floats
-        Pose of the tag in the mesh's own frame [m], quaternion x, y, z, w. The tag's frame: centre,
-        x to the right, y up, z out of it.
     upright : bool
         The object stands upright whenever its tag is visible: this decides between two poses.
     """
 
     model: str
     id: str | None = None
-    size: float = quantity(..., "m", "edge of the tag's black square", gt=0.0, le=1.0)
-    position: Vector = (0.0, 0.0, 0.0)
-    orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
     upright: bool = False
 
 
-class TagsOptions(Settings):
+class TagsOptions(TagSearch):
     """The options of the pose estimator ``tags``.
 
     Attributes
     ----------
-    tags : mapping of int to TagOptions
-        By number; in a TOML file: tables ``[tags.7]``.
     models : tuple of str or None
         Only these models are looked for.
-    family : str
-        Of all tags.
     up : 3 floats
         Up in the world; counts for objects that are ``upright``.
     """
 
-    tags: dict[int, TagOptions]
+    tags: Mapping[int, TagOptions]
     models: tuple[str, ...] | None = None
-    family: str = "tag36h11"
     up: Vector = (0.0, 0.0, 1.0)
-    decimate: float = quantity(2.0, "1", "tags are looked for in a smaller picture", "docs/tags.md")
-    max_pose_age: float = quantity(
-        0.3, "s", "of a pose that may decide between two new ones", "guess", ge=0
-    )
     missing_after: float = quantity(
         1.0, "s", "without its tags in plain view, after which an object is gone", "guess", gt=0
     )
@@ -108,7 +95,7 @@ class TagPoses:
     """
 
     def __init__(self, catalog: Catalog, options: Mapping[str, Any]) -> None:
-        self._options = read_options(options)
+        self._options = read_tag_options(TagsOptions, "tags", options, MISSING)
         self._placements: dict[str, dict[int, TagPlacement]] = defaultdict(dict)
         self._models: dict[str, str] = {}
         self._upright: dict[str, bool] = {}
@@ -211,25 +198,3 @@ def _beside(pixels: Array, hand: Array, margin: float) -> bool:
     """Whether a hand, (21, 2), may cover corners, (4, 2): its box, grown, meets theirs."""
     low, high = hand.min(axis=0) - margin, hand.max(axis=0) + margin
     return bool((pixels.max(axis=0) >= low).all() and (pixels.min(axis=0) <= high).all())
-
-
-def read_options(options: Mapping[str, Any]) -> TagsOptions:
-    """Read the options, and the file that ``tags`` may name."""
-    given = dict(options)
-    if isinstance(given.get("tags"), str | Path):
-        path = Path(given.pop("tags"))
-        try:
-            given = tomllib.loads(read_text(path)) | given
-        except (OSError, TextError, tomllib.TOMLDecodeError) as error:
-            raise IgripError(f"{path}: cannot be read: {error}") from error
-    if not given.get("tags"):
-        raise IgripError(
-            "tags: the pose estimator needs to know which tags are on what: option tags = "
-            '{7: {"model": "006_mustard_bottle", "size": 0.03, "position": …, "orientation": …}}'
-            ", or the path of a TOML file with tables [tags.7]"
-        )
-    read = validated(TagsOptions, "tags", given)
-    for number, tag in read.tags.items():
-        if not 0.99 < float(np.linalg.norm(tag.orientation)) < 1.01:
-            raise IgripError(f"tags: tags.{number}.orientation: is not a rotation")
-    return read

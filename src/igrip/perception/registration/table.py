@@ -54,14 +54,12 @@ class Table:
             table_from_camera = inverse(self.world_from_table) @ frame.world_from_camera
             self.plane = self.plane._replace(table_from_camera=table_from_camera)
             points, _ = measured_points(frame.depth, frame.intrinsics, 16, reach)
-            heights = points @ table_from_camera[2, :3] + table_from_camera[2, 3]
-            near = np.maximum(0.01, 4.0 * self.plane.noise * points[:, 2] ** 2)
-            if len(points) and (np.abs(heights) < near).mean() > STILL_THERE * self.plane.share:
+            if is_still_there(self.plane, points):
                 return True
             if seen:
                 return True
         points, _ = measured_points(frame.depth, frame.intrinsics, 4, reach)
-        plane = _highest_plane(points, random)
+        plane = find_table(points, random)
         if plane is None:
             return self.plane is not None
         before = inverse(self.world_from_table)
@@ -71,7 +69,14 @@ class Table:
         return True
 
 
-def _highest_plane(points: Array, random: np.random.Generator) -> Plane | None:
+def is_still_there(plane: Plane, points: Array) -> bool:
+    """Whether a plane still holds points (n, 3) of the camera's frame [m]; not without points."""
+    heights = points @ plane.table_from_camera[2, :3] + plane.table_from_camera[2, 3]
+    near = np.maximum(0.01, 4.0 * plane.noise * points[:, 2] ** 2)
+    return len(points) > 0 and bool((np.abs(heights) < near).mean() > STILL_THERE * plane.share)
+
+
+def find_table(points: Array, random: np.random.Generator) -> Plane | None:
     """Return the largest plane of points (n, 3), or a level one over it: the table, not the floor.
 
     The points are in the camera's frame [m].

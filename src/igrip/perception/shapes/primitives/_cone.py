@@ -40,6 +40,13 @@ def cone_start(footprint: Footprint) -> Array:
     return np.array([*footprint.middle, np.log(radius), 0.0, np.log(footprint.height)])
 
 
+def cone_radii(parameters: Array, heights: Array, angles: Array) -> Array:
+    """Return the radius at each height (n,), in all directions (m,) alike, (n, m) [m]."""
+    cone = cone_of(parameters)
+    across = cone.low + (cone.top - cone.low) * np.minimum(heights / cone.height, 1.0)
+    return np.repeat(across[:, None], len(angles), axis=1)
+
+
 def inside(cone: Cone, rays: Rays, foot: float = 0.0) -> tuple[Array, Array, Array]:
     """Return where rays (m,) enter and leave a cone, and where they pass its upper plane.
 

@@ -12,6 +12,7 @@ from igrip.perception.shapes.primitives._cone import (
     STEPS,
     UP,
     cone_of,
+    cone_radii,
     cone_start,
     inside,
 )
@@ -47,9 +48,7 @@ class Cylinder:
 
     def radii(self, parameters: Array, heights: Array, angles: Array) -> Array:
         """Of a circle, larger or smaller at each height."""
-        cone = cone_of(parameters)
-        across = cone.low + (cone.top - cone.low) * np.minimum(heights / cone.height, 1.0)
-        return np.repeat(across[:, None], len(angles), axis=1)
+        return cone_radii(parameters, heights, angles)
 
     def mesh(self, parameters: Array) -> trimesh.Trimesh:
         """Return a surface of revolution."""

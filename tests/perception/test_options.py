@@ -3,7 +3,8 @@
 import pytest
 
 from igrip.errors import IgripError
-from igrip.perception.poses import POSES, parse_options
+from igrip.perception.options import parse_options
+from igrip.perception.poses import POSES
 
 
 def test_options_are_words_or_json():

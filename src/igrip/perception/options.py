@@ -1,4 +1,4 @@
-"""Options of pose estimators, from the command line and from Python."""
+"""Options of hand detectors and pose estimators, from the command line and from Python."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ def parse_options(texts: Sequence[str]) -> dict[str, Any]:
     return options
 
 
-def validated(kind: type[S], estimator: str, options: Mapping[str, Any]) -> S:
-    """Return an estimator's options as its settings, or raise an IgripError that names it."""
+def validated(kind: type[S], name: str, options: Mapping[str, Any] | S | None) -> S:
+    """Return options as settings of this kind, or raise an IgripError that begins with ``name``."""
+    if isinstance(options, kind):
+        return options
     try:
-        return kind(**options)
+        return kind(**dict(options or {}))
     except ValidationError as error:
-        raise IgripError(f"{estimator}: {problem_of(error)}") from error
+        raise IgripError(f"{name}: {problem_of(error)}") from error
