@@ -81,6 +81,9 @@ def test_the_map_of_a_plain_table(tmp_path):
           tmp_path / "map.toml")  # fmt: skip
     igrip("import", folder / "take1.csv", "--columns", tmp_path / "map.toml", "--out",
           tmp_path / "out")  # fmt: skip
+    [recording] = (tmp_path / "out" / "recordings").iterdir()
+    [hand] = json.loads(recording.read_text().splitlines()[0])["hands"].values()
+    assert hand["position"] == pytest.approx(plain.samples()[0, 1:] / 1000.0, abs=1e-3)
 
 
 def test_a_map_is_not_overwritten(tmp_path, motive):

@@ -168,6 +168,8 @@ def test_rubbish_is_an_error_at_most(rig, monkeypatch):
         except DeviceError:
             time.sleep(0.1)
     until(lambda: not rig.twin.active)
+    rig.close_fully()  # and it acts as before
+    assert rig.twin.active
 
 
 def test_a_hand_that_is_not_there(tmp_path, rig):

@@ -34,6 +34,7 @@ def test_a_button_on_a_serial_line():
     signal.start(lambda: pressed.append(time.monotonic()), lambda text: None)
     os.write(main, b"x")
     until(lambda: pressed)
+    assert len(pressed) == 1
     signal.close()
     os.close(main)
     os.close(side)
@@ -49,6 +50,8 @@ def test_a_lost_button_counts_as_pressed():
     os.close(side)
     os.close(main)
     until(lambda: pressed and warned)
+    assert pressed == [1]
+    assert all(isinstance(text, str) and text for text in warned)
     signal.close()
 
 
@@ -68,6 +71,8 @@ def test_a_marker_and_an_emg_on_lsl():
         signal.start(lambda what=what: said.append(what), said.append)
     until(lambda: text.have_consumers() and emg.have_consumers())
     text.push_sample(["go on"])
+    time.sleep(0.2)
+    assert said == []  # another marker, and a muscle at rest
 
     def both():
         text.push_sample(["stop now"])

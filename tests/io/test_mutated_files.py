@@ -118,6 +118,21 @@ def bring(folder: Path, out: Path, catalog) -> None:
     )
 
 
+def farthest(folder: Path) -> float:
+    """Return the largest coordinate in a dataset [m]; 0 where there is none."""
+    if not folder.exists():
+        return 0.0
+    dataset = Dataset.open(folder)
+    entities = (
+        entity
+        for trial in dataset.trials
+        for message in dataset.observations(trial)
+        for entity in (*message.hands.values(), *message.objects.values())
+        if entity is not None
+    )
+    return max((max(map(abs, entity.position)) for entity in entities), default=0.0)
+
+
 def check(folder: Path, catalog) -> None:
     dataset = Dataset.open(folder, lenient=True)
     dataset.participants_without_trials()
@@ -201,6 +216,7 @@ def test_numbers_whose_squares_overflow(tmp_path, catalog, kind, huge):
         path.write_text(text[: one.start()] + huge + text[one.end() :])
         with suppress(IgripError):
             bring(good, tmp_path / "out", catalog)
+        assert farthest(tmp_path / "out") < 100.0
         shutil.rmtree(tmp_path / "out", ignore_errors=True)
 
 

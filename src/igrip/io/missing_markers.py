@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+MAX_NUMBER = 1e9  # a larger one is a place in no unit of length
 MAX_STEP_RATIO = 5.0  # of a jump to 0 0 0 to the larger steps of a movement, at least
 
 
@@ -14,7 +15,8 @@ def missing_rows(positions: ArrayLike, may_rest_at_zero: bool = False) -> NDArra
     """Return which positions (n, 3) stand for "not there", in the source's own numbers.
 
     These are rows that are not finite; −9999 and its like (four nines or more in any component, or
-    three in all); and 0 0 0 where the positions before or after are farther away than any step.
+    three in all); numbers over 1e9; and 0 0 0 where the positions before or after are farther away
+    than any step.
 
     Parameters
     ----------
@@ -54,11 +56,11 @@ def _is_marker(row: list[float]) -> bool:
 
 
 def _nines(value: float) -> int:
-    """Return of how many nines a number consists, 0 if of anything else; more than 1e30: 9."""
+    """Return of how many nines a number consists, 0 if of anything else; of a huge one 9."""
     size = abs(value)
     if size < 999.0 or size != size:
         return 0
-    if size > 1e30:
+    if size > MAX_NUMBER:
         return 9
     digits = f"{size:.10g}".replace(".", "")
     return len(digits) if not digits.strip("9") else 0
