@@ -114,6 +114,22 @@ def test_marks_and_comments(room):
     assert not room.conductor.order("format_disk")
 
 
+def test_the_experimenter_reads_which_objects_to_move(room):
+    trials = room.session.plan.trials
+    assert room.conductor.experimenter_screen()["to_move"] == trials[0].layout
+    assert room.order("start")["to_move"] == {}
+    room.recorder.failed = "camera left: unplugged"
+    room.conductor.step()
+    assert room.conductor.experimenter_screen()["to_move"] == {}  # they stand there already
+    room.recorder.failed = None
+    for _ in range(4):  # then they change places
+        room.order("start")
+        screen = room.order("stop")
+    moved = {id: at for id, at in trials[4].layout.items() if trials[3].layout[id] != at}
+    assert screen["to_move"] == moved
+    assert moved
+
+
 def test_french_is_read_in_french(tmp_path):
     room = Room(tmp_path / "study", language='"fr"')
     shown = room.conductor.participant_screen()

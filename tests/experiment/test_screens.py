@@ -137,7 +137,8 @@ def test_no_text_is_cut_and_all_is_large(tmp_path, language):
 def test_another_computer_needs_the_token(tmp_path):
     token = "a-token-of-sixteen-or-more"
     running = Running(small_study(tmp_path / "study"), "--host", "0.0.0.0", "--token", token)
-    url = running.url.replace("0.0.0.0", "127.0.0.1")
+    assert "0.0.0.0" not in running.url  # no other computer could open it
+    url = re.sub(r"//[^:]+", "//127.0.0.1", running.url)
     try:
         for path in ("/", "/status", "/participant"):
             with pytest.raises(urllib.error.HTTPError, match="403"):
@@ -161,9 +162,12 @@ def test_axe_finds_nothing_on_both_screens(tmp_path):
 
 
 def test_the_session_ends_by_a_key_with_a_summary(tmp_path):
-    folder = small_study(tmp_path / "study")
+    folder = small_study(tmp_path / "study", language='"fr"')
     running = Running(folder)
     with open_page(running.url) as page:
+        participant = page.context.browser.new_page()
+        participant.goto(f"{running.url}/participant")
+        participant.wait_for_selector("body.ready")
         page.wait_for_selector("#start:not([disabled])")
         page.keyboard.press("Space")
         until(lambda: running.status()["recording"])
@@ -171,6 +175,9 @@ def test_the_session_ends_by_a_key_with_a_summary(tmp_path):
         page.keyboard.press("Space")
         page.wait_for_selector("#finish:not([disabled])")
         page.keyboard.press("f")
+        participant.wait_for_selector("body.wait")
+        assert participant.inner_text("main").strip() == "Veuillez patienter."
+        until(lambda: "same command" in page.inner_text("#problem"))
         assert running.process.wait(PATIENCE) == 0
     printed = running.process.stdout.read()
     running.process.stdout.close()

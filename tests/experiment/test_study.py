@@ -43,6 +43,7 @@ def test_the_template_is_the_papers():
     (", D = [0.30, 0.34]", "", "3 places for 4 objects"),
     ('colour = "#f2b705"', 'colour = "yellow"', "colour"),
     ("seed = 1", "seed = ", "is not TOML"),
+    ("[objects.soup]", '[objects.left]\nmodel = "soup"\n\n[objects.soup]', "objects.left"),
     ('cameras = ["left", "right"]', "cameras = []", "cameras"),
     ('cameras = ["left", "right"]', 'cameras = ["../up", "right"]', "letters, digits"),
 ])  # fmt: skip
@@ -87,5 +88,5 @@ def test_a_language_of_ones_own(tmp_path):
     (tmp_path / "instructions" / "de.toml").write_text(text)
     assert read_instructions(tmp_path, "de").levels["hand"]["left"] == "Left one"
     (tmp_path / "instructions" / "de.toml").write_text('[screen]\ngo = "Los"\n')
-    with pytest.raises(StudyError, match="without welcome, ready"):
+    with pytest.raises(StudyError, match="without wait, ready"):
         read_instructions(tmp_path, "de")

@@ -36,7 +36,7 @@ from igrip.experiment.session import Session
 from igrip.experiment.simulated import SimulatedRecorder
 from igrip.experiment.study import TEMPLATES, read_instructions
 from igrip.experiment.unattended import run_unattended
-from igrip.objects.catalog import load_objects
+from igrip.runtime.access import Access
 
 experiment = typer.Typer(
     help="Run a study with people: plan, screens, recordings, and a dataset for igrip evaluate."
@@ -94,7 +94,7 @@ def run(
     ] = None,
     port: Annotated[int, typer.Option(help="Of the screens; 0: any that is free.", min=0,
                                       max=65535)] = 8095,
-    host: options.Host = "127.0.0.1",
+    host: options.PageHost = "127.0.0.1",
     token: options.Token = None,
 ) -> None:  # fmt: skip
     """Run the trials of one participant, or go on with them.
@@ -118,20 +118,20 @@ def run(
     addresses = {} if simulate else parse_cameras(place.study, camera or [])
     if not unattended:
         port = free_port(port, "--port", host)
+        Access(host, token)  # refused before anything slow is loaded
     with place.locked(), ExitStack() as stack:
-        plan = place.enrol(participant, consent)
+        place.check(participant, consent)
         with (
             interruptible("no trial was begun; the same command starts again"),
             errors.status("Reading meshes, models and compiling (longer the first time) …"),
         ):
-            catalog = load_objects(*place.study.models)
-            for one in place.study.objects.values():
-                catalog[one.model]
+            catalog = place.catalog()
             recorder: Any = (
                 SimulatedRecorder(place.study, catalog, participant) if simulate
                 else open_recorder(place.study, addresses, catalog, hands, poses, calibration)
             )  # fmt: skip
         stack.callback(recorder.close)
+        plan = place.enrol(participant, consent)
         announce = None
         if lsl is not None:
             markers = LslMarkers(lsl, place.study.name, participant)
@@ -169,7 +169,7 @@ def run(
 
 def _summarise(place: StudyFolder, participant: str) -> None:
     """Write and name the page on one participant."""
-    catalog = load_objects(*place.study.models)
+    catalog = place.catalog()
     kept = "the recordings are kept; igrip experiment summary writes the page again"
     with (
         closing(Review(place, participant)) as found, interruptible(kept),
@@ -194,10 +194,12 @@ def review(
     participant: Annotated[str, typer.Option(help="Whose recordings.")],
     port: Annotated[int, typer.Option(help="Of the page; 0: any that is free.", min=0,
                                       max=65535)] = 8096,
-    host: options.Host = "127.0.0.1",
+    host: options.PageHost = "127.0.0.1",
     token: options.Token = None,
 ) -> None:  # fmt: skip
-    """Look through a participant's recordings, and correct onset, end and "did as told".
+    """Look at recordings, and correct them.
+
+    Onset, end and "did as told" of a participant's trials are corrected by mouse or key.
 
     The page shows each recording's speed profile, its view from above and its video, with onset,
     end and validity as they were found. Every change is kept at once, logged in
@@ -207,6 +209,7 @@ def review(
     """
     place = StudyFolder(folder)
     port = free_port(port, "--port", host)
+    Access(host, token)  # refused before anything slow is read
     with place.locked(), closing(Review(place, participant)) as found:
         with interruptible("nothing was changed"), progress(participant, len(found)) as update:
             found.read(lambda: update(advance=1))

@@ -60,6 +60,10 @@ Confirm = Annotated[
     bool, typer.Option("--confirm", help="Commit only to reaches that are confirmed from outside.")
 ]
 Host = Annotated[str, typer.Option(help="Address of the WebSocket server.")]
+PageHost = Annotated[
+    str,
+    typer.Option(help="Address of the pages; 0.0.0.0 lets other computers in, with a --token."),
+]
 Port = Annotated[int, typer.Option(help="Its port; 0: any that is free.", min=0, max=65535)]
 Token = Annotated[
     str | None,

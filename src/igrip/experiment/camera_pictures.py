@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Mapping, Sequence
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from igrip.entities import Hand, ObjectPose
 from igrip.errors import requires_extra
-from igrip.observation import Observation
+from igrip.objects.catalog import Catalog
 from igrip.rgbd import RgbdFrame
+
+Seen = Hand | ObjectPose
 
 WIDTH = 640  # pixels at most
 QUALITY = 70  # of the JPEG
@@ -14,8 +20,20 @@ HAND, OBJECT = (20, 120, 220), (40, 160, 60)  # colours, blue, green, red
 MIN_DEPTH = 0.05  # m; what is nearer to the camera is not drawn
 
 
-def camera_picture(frame: RgbdFrame, observation: Observation | None) -> bytes:
-    """Return a frame as JPEG, with a circle and a name at every hand and object that is seen."""
+def camera_picture(
+    frame: RgbdFrame, seen: Mapping[str, Seen], catalog: Catalog | None = None
+) -> bytes:
+    """Return a frame as JPEG, with a circle and a name at every hand and object that is seen.
+
+    Parameters
+    ----------
+    frame : RgbdFrame
+        What the camera sees.
+    seen : mapping of str to Hand or ObjectPose
+        By their ids.
+    catalog : Catalog, optional
+        With the models: the circle is then at the middle of the object, not at the mesh's origin.
+    """
     with requires_extra("opencv-python-headless", "mcap", "pictures of cameras"):
         import cv2
     height, width = frame.colour.shape[:2]
@@ -23,7 +41,9 @@ def camera_picture(frame: RgbdFrame, observation: Observation | None) -> bytes:
     picture = cv2.cvtColor(cv2.resize(frame.colour, size), cv2.COLOR_RGB2BGR)
     intrinsics = frame.intrinsics.scaled(*size)
     camera_from_world = np.linalg.inv(frame.world_from_camera)
-    for name, position, colour in _seen(observation):
+    for id, one in seen.items():
+        name, colour = (f"{id} hand", HAND) if isinstance(one, Hand) else (id, OBJECT)
+        position = _middle(one, catalog)
         point = (camera_from_world @ [*position, 1.0])[:3]
         if point[2] < MIN_DEPTH:
             continue
@@ -41,12 +61,8 @@ def camera_picture(frame: RgbdFrame, observation: Observation | None) -> bytes:
     return bytes(data)
 
 
-def _seen(
-    observation: Observation | None,
-) -> list[tuple[str, tuple[float, float, float], tuple[int, int, int]]]:
-    if observation is None:
-        return []
-    hands = [(id, one.position, HAND) for id, one in observation.hands.items() if one is not None]
-    return hands + [
-        (id, one.position, OBJECT) for id, one in observation.objects.items() if one is not None
-    ]
+def _middle(one: Seen, catalog: Catalog | None) -> Sequence[float]:
+    if isinstance(one, Hand) or catalog is None or one.model not in catalog:
+        return one.position
+    turned = Rotation.from_quat(one.orientation).apply(catalog[one.model].sphere[:3])
+    return tuple(one.position + turned)

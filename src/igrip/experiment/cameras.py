@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from igrip.entities import ObjectPose
 from igrip.errors import CameraError, IgripError
-from igrip.experiment.camera_pictures import camera_picture
+from igrip.experiment.camera_pictures import Seen, camera_picture
 from igrip.experiment.live_predictions import LivePredictions
 from igrip.experiment.plan import PlannedTrial
 from igrip.experiment.study import Study, StudyError
@@ -82,7 +82,7 @@ class CameraRecorder:
     clock : function
         Monotonic time [s].
     catalog : Catalog, optional
-        With the study's models, for its predictions.
+        With the study's models, for its predictions and pictures.
 
     Raises
     ------
@@ -98,31 +98,36 @@ class CameraRecorder:
         missing = [name for name in study.cameras if name not in observers]
         if missing:
             raise StudyError(f"camera {missing[0]}: give its address, --camera {missing[0]}=oak:ID")
-        self._study, self._taps, self._clock = study, taps or {}, clock
+        self._study, self._taps, self._catalog = study, taps or {}, catalog
         self._one = {
             name: _One(study, observers[name], LivePredictions(study, catalog), clock)
             for name in study.cameras
         }
 
     def seen(self) -> Mapping[str, bool]:
-        """Return for each camera whether it sees both hands and all objects."""
-        names = [*self._study.factors["hand"], *self._study.objects]
+        """Return for each camera whether it sees the study's hands and all objects."""
+        names = {id: f"{id} hand" for id in self._study.factors["hand"]}
+        names |= {id: id for id in self._study.objects}
         return {
-            f"{camera}: {name}": self._clock() - one.seen_at.get(name, -1e9) <= MAX_AGE
-            for camera, one in self._one.items() for name in names
+            f"{camera} camera: {name}": id in one.seen()
+            for camera, one in self._one.items() for id, name in names.items()
         }  # fmt: skip
 
     def picture(self, camera: str) -> bytes | None:
         """Return what a camera sees now, with its detections, as JPEG; None: nothing yet."""
         tap = self._taps.get(camera)
         frame = tap.newest if tap is not None else None
-        return None if frame is None else camera_picture(frame, self._one[camera].newest)
+        if frame is None:
+            return None
+        return camera_picture(frame, self._one[camera].seen(), self._catalog)
 
     def start(self, trial: PlannedTrial, attempt: int, files: Mapping[str, Path]) -> None:
         """Begin to record with all cameras."""
         failure = self.failure()
         if failure is not None:
-            raise CameraError(failure)
+            raise CameraError(
+                f"{failure}; connect it, end the session and give the same command again"
+            )
         for camera, path in files.items():
             tap = self._taps.get(camera)
             self._one[camera].start(McapWriter(path), tap)
@@ -163,8 +168,7 @@ class _One:
         self._observer, self._predictions, self._clock = observer, predictions, clock
         self._ids = {one.model: id for id, one in study.objects.items()}
         self._known: dict[str, str] = {}  # ids of the observer to those of the study
-        self.seen_at: dict[str, float] = {}
-        self.newest: Observation | None = None
+        self._seen: dict[str, tuple[float, Seen]] = {}
         self.error: str | None = None
         self._lock = threading.Lock()
         self._writer: McapWriter | None = None
@@ -187,10 +191,10 @@ class _One:
             t=observation.t, hands=observation.hands,
             objects=dict(self._named(observation.objects.items())),
         )  # fmt: skip
-        now, self.newest = self._clock(), named
+        now = self._clock()
         for id, entity in (*named.hands.items(), *named.objects.items()):
             if entity is not None:
-                self.seen_at[id] = now
+                self._seen[id] = (now, entity)
         said = self._predictions.of(named)  # between trials too: it knows the hands by their start
         with self._lock:
             self._t = named.t
@@ -207,6 +211,11 @@ class _One:
             if pose is not None and pose.model is not None:
                 self._known[id] = self._ids.get(pose.model, id)
             yield self._known.get(id, id), pose
+
+    def seen(self) -> Mapping[str, Seen]:
+        """Return the hands and objects that were seen of late, where they were seen last."""
+        oldest = self._clock() - MAX_AGE
+        return {id: one for id, (at, one) in tuple(self._seen.items()) if at >= oldest}
 
     def start(self, writer: McapWriter, tap: TappedCamera | None) -> None:
         """Write into a file from now on."""

@@ -165,7 +165,7 @@ class Conductor:
         left = self._study.breaks.seconds - (self._clock() - self._rested)
         return {
             "phase": phase.value, "words": self._instructions.screen[phase.value], "trial": shown,
-            "language": self._study.language,
+            "language": self._study.language, "wait": self._instructions.screen["wait"],
             "rest_left": max(0.0, left) if phase is Phase.REST else None,
         }  # fmt: skip
 
@@ -183,7 +183,16 @@ class Conductor:
             "disk_left": self._free(),
             "elapsed": self._clock() - self._started if status["recording"] else None,
             "counts": {state.value: states.count(state) for state in AttemptState},
+            "to_move": self._to_move(),
             "places": {k: list(v) for k, v in self._study.layouts.places.items()},
             "objects": {id: one.colour for id, one in self._study.objects.items()},
             "participant_sees": self.participant_screen(),
         }  # fmt: skip
+
+    def _to_move(self) -> dict[str, str]:
+        """Return the new place of each object that stood elsewhere in the trial before."""
+        trial, last = self._session.next_trial, self._session.progress.last
+        if trial is None or self._session.is_recording:
+            return {}
+        before = {} if last is None else self._session.plan.trials[last.trial - 1].layout
+        return {id: place for id, place in trial.layout.items() if before.get(id) != place}

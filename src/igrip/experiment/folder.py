@@ -12,6 +12,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from igrip.errors import ObjectsError, UnknownModelError
 from igrip.experiment.corrections import Corrections
 from igrip.experiment.journal import Journal, read_events
 from igrip.experiment.plan import Plan, draw_plan, read_plan, save_plan
@@ -20,6 +21,7 @@ from igrip.experiment.study import FILE, KNOWN, Study, StudyError, read_study, t
 from igrip.io.datasets.dataset import FORMAT
 from igrip.io.datasets.trial import COLUMNS
 from igrip.io.whole_files import write_whole
+from igrip.objects.catalog import Catalog, load_objects
 from igrip.version import __version__
 
 PSEUDONYM = re.compile(r"[A-Z]{1,3}[0-9]{1,4}")
@@ -76,6 +78,9 @@ class StudyFolder:
         """Return the file of what was corrected in a participant's trials."""
         return self.path / "sessions" / participant / "review.jsonl"
 
+    def _plan(self, participant: str) -> Path:
+        return self.path / "sessions" / participant / "plan.tsv"
+
     def participants(self) -> list[str]:
         """Return the participants who have a session."""
         return sorted(path.parent.name for path in self.path.glob("sessions/*/plan.tsv"))
@@ -100,27 +105,36 @@ class StudyFolder:
                 ) from None
             yield  # the lock ends with the process, however it ends
 
-    def enrol(self, participant: str, consent: str | None) -> Plan:
-        """Return the plan of a participant: the saved one, or a new one.
-
-        Parameters
-        ----------
-        participant : str
-            A pseudonym such as ``P01``, never a name.
-        consent : str, optional
-            Date on which the participant consented, ``2026-01-31``; needed the first time.
+    def catalog(self) -> Catalog:
+        """Return the catalog with the study's models, each of them built.
 
         Raises
         ------
         StudyError
-            If it looks like a name, there is no consent, or the study's factors changed.
+            If a model or a folder of meshes is missing; the message names the key.
+        """
+        key = "models"
+        try:
+            named = [(self.path / one, one) for one in self.study.models]
+            found = load_objects(*(inside if inside.is_dir() else one for inside, one in named))
+            for id, one in self.study.objects.items():
+                key = f"objects.{id}.model"
+                found[one.model]
+        except (ObjectsError, UnknownModelError) as error:
+            raise StudyError(f"{self.path / FILE}: {key}: {error}") from error
+        return found
+
+    def check(self, participant: str, consent: str | None) -> Plan | None:
+        """Return the saved plan of a participant; None: it is a new one who may be enrolled.
+
+        Parameters and errors are those of :meth:`enrol`.
         """
         if not PSEUDONYM.fullmatch(participant):
             raise StudyError(
                 f"--participant {participant!r:.40}: give a pseudonym such as P01; names of people "
                 "do not belong in a dataset"
             )
-        path = self.path / "sessions" / participant / "plan.tsv"
+        path = self._plan(participant)
         if path.exists():
             plan = read_plan(path)
             self._refuse_other_factors(plan, path)
@@ -137,6 +151,27 @@ class StudyFolder:
             ) from None
         if given > date.today():
             raise StudyError(f"--consent {consent}: lies in the future")
+        return None
+
+    def enrol(self, participant: str, consent: str | None) -> Plan:
+        """Return the plan of a participant: the saved one, or a new one.
+
+        Parameters
+        ----------
+        participant : str
+            A pseudonym such as ``P01``, never a name.
+        consent : str, optional
+            Date on which the participant consented, ``2026-01-31``; needed the first time.
+
+        Raises
+        ------
+        StudyError
+            If it looks like a name, there is no consent, or the study's factors changed.
+        """
+        saved = self.check(participant, consent)
+        if saved is not None:
+            return saved
+        path = self._plan(participant)
         plan = draw_plan(self.study, participant)
         path.parent.mkdir(parents=True, exist_ok=True)
         self.recordings.mkdir(exist_ok=True)
@@ -162,7 +197,7 @@ class StudyFolder:
 
     def progress(self, participant: str) -> SessionProgress:
         """Return where a participant stands, without changing anything."""
-        plan = read_plan(self.path / "sessions" / participant / "plan.tsv")
+        plan = read_plan(self._plan(participant))
         events = read_events(self.journal(participant))
         return SessionProgress(plan, events)
 
@@ -178,7 +213,7 @@ class StudyFolder:
         write_whole(self.path / "participants.tsv", _table(["participant"], people))
 
     def _rows(self, participant: str) -> Iterator[Mapping[str, Any]]:
-        plan = read_plan(self.path / "sessions" / participant / "plan.tsv")
+        plan = read_plan(self._plan(participant))
         progress = self.progress(participant)
         corrections = Corrections(read_events(self.review(participant)))
         before: dict[int, str] = {}  # trial to its first recording by the first camera

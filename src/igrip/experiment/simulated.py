@@ -71,7 +71,7 @@ class SimulatedRecorder:
 
     def seen(self) -> Mapping[str, bool]:
         """Return that both hands and all objects are seen."""
-        return dict.fromkeys(("left", "right", *self._models), True)
+        return dict.fromkeys(("left hand", "right hand", *self._models), True)
 
     def picture(self, camera: str) -> bytes | None:
         """Return None: simulated cameras measure, but have no pictures."""

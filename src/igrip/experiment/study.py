@@ -17,6 +17,7 @@ from igrip.targets import TARGETS
 
 FILE = "study.toml"
 NEEDED = ("hand", "target")
+HANDS = ("left", "right")
 KNOWN = (*NEEDED, "grip", "movement")  # factors that are columns of trials.tsv
 TEMPLATES = ("paper", "small")
 MAX_TRIALS = 10_000  # of a participant
@@ -82,7 +83,7 @@ class Study(Settings):
     objects : mapping of str to StudyObject
         What stands on the table, by the id that it has in recordings.
     models : list of str
-        Sources of the catalog: ``ycb``, folders of meshes.
+        Sources of the catalog: ``ycb``, folders of meshes in the study's folder.
     layouts, breaks : Layouts, Breaks
         Places of the objects; rests.
     cameras : list of str
@@ -120,7 +121,7 @@ class Study(Settings):
                 there = ", ".join(self.factors)
                 raise ValueError(f"factors: {factor} is missing; there are: {there}")
         _refuse_unknown("factors.target", self.factors["target"], self.objects)
-        _refuse_unknown("factors.hand", self.factors["hand"], ("left", "right"))
+        _refuse_unknown("factors.hand", self.factors["hand"], HANDS)
         _refuse_unknown("max_in_a_row", self.max_in_a_row, self.factors)
         for factor, most in self.max_in_a_row.items():
             if most < 1 or (most < len(self.combinations()) and len(self.factors[factor]) == 1):
@@ -128,6 +129,9 @@ class Study(Settings):
         for name in (*self.cameras, *self.objects):
             if not name or not all(c.isalnum() or c in "-_" for c in name):
                 raise ValueError(f"{name!r:.40}: names have letters, digits, - and _ only")
+        for name in HANDS:
+            if name in self.objects:
+                raise ValueError(f"objects.{name}: this is the name of a hand; choose another")
         if len(self.layouts.places) < len(self.objects):
             raise ValueError(
                 f"layouts.places: {len(self.layouts.places)} places for {len(self.objects)} objects"
@@ -203,7 +207,7 @@ class Instructions(Settings):
     Attributes
     ----------
     screen : mapping of str to str
-        ``welcome``, ``ready``, ``go``, ``stop``, ``rest``, ``finished``.
+        ``wait`` (igrip does not run), ``ready``, ``go``, ``stop``, ``rest``, ``finished``.
     levels : mapping of str to mapping of str to str
         What stands for each level, by factor; a level without words stands for itself.
     """
@@ -225,7 +229,7 @@ class Instructions(Settings):
         return {factor: known.get(factor, {}).get(level, level) for factor, level in levels.items()}
 
 
-SCREEN = ("welcome", "ready", "go", "stop", "rest", "finished")
+SCREEN = ("wait", "ready", "go", "stop", "rest", "finished")
 
 
 def read_instructions(folder: Path, language: str) -> Instructions:

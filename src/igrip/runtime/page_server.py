@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 import threading
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
@@ -18,6 +19,16 @@ SVG, PNG, JPEG = "image/svg+xml", "image/png", "image/jpeg"
 MAX_BODY = 10_000  # bytes of an order
 Answer = tuple[str, bytes]
 """Content type and body."""
+
+
+def own_address() -> str:
+    """Return the address of this machine in its network; its name where it is in none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # chooses a network; sends nothing
+            return str(probe.getsockname()[0])
+        except OSError:
+            return socket.gethostname()
 
 
 class PageServer:
@@ -40,7 +51,7 @@ class PageServer:
     Attributes
     ----------
     url : str
-        Of the page ``/``.
+        Of the page ``/``; where others may connect, as they reach this machine.
     """
 
     def __init__(
@@ -121,7 +132,7 @@ class PageServer:
                 pass  # clients that vanish are no errors of ours
 
         self._server = Server((host, port), Handler)
-        shown = "localhost" if local else host
+        shown = "localhost" if local else own_address() if host == "0.0.0.0" else host
         self.url = f"http://{shown}:{self._server.server_address[1]}"
         threading.Thread(
             target=self._server.serve_forever, args=(0.1,), name="igrip-page", daemon=True
