@@ -62,6 +62,7 @@ class FakeObserver:
     """Yields what the test puts; raises what it puts that is an error."""
 
     def __init__(self):
+        self.begin = 0.0
         self.queue = queue.SimpleQueue()
 
     def put(self, one):

@@ -90,18 +90,19 @@ def test_a_camera_without_an_address_is_named(tmp_path):
         CameraRecorder(study, {"left": FakeObserver()})
 
 
-def test_frames_are_kept_too(tmp_path):
+def test_frames_are_kept_too_on_the_clock_of_the_observations(tmp_path):
     setup = Setup(tmp_path / "study")
+    setup.observers["left"].begin = 100.0
     tap = TappedCamera(FakeCamera(FrameClock(), count=0))
     setup.recorder._taps = {"left": tap}
     setup.recorder.start(setup.trial, 1, setup.files)
     for k in range(3):
-        tap.tap(frame(1.0 + k))
+        tap.tap(frame(101.0 + k))
     setup.recorder.stop()
     assert tap.tap is None
     from igrip.io.mcap.reader import McapReader
 
-    assert len(list(McapReader(setup.files["left"]).frames())) == 3
+    assert [one.t for one in McapReader(setup.files["left"]).frames()] == [1.0, 2.0, 3.0]
     setup.recorder.close()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import signal
 import subprocess
@@ -15,43 +14,11 @@ import pytest
 
 from browser import accessibility_problems, needs_chromium, open_page
 from igrip.io.datasets.trial import read_trials
+from running_study import Running
 from runtime_fakes import PATIENCE, until
 from small_study import small_study
 
 pytestmark = needs_chromium
-
-
-class Running:
-    """``igrip experiment run`` in its own process."""
-
-    def __init__(self, folder, *options):
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "igrip", "experiment", "run", str(folder.path),
-             "--participant", "P01", "--consent", "2026-01-31", "--simulate", "--port", "0",
-             *options],
-            stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        )  # fmt: skip
-        for line in self.process.stderr:
-            if found := re.match(r"participant: +(http://\S+)/participant", line):
-                self.url = found[1]
-                break
-        else:
-            raise AssertionError(self.process.wait())
-
-    def status(self):
-        with urllib.request.urlopen(f"{self.url}/status", timeout=PATIENCE) as answer:
-            return json.load(answer)
-
-    def order(self, name):
-        request = urllib.request.Request(f"{self.url}/{name}", data=b"{}")
-        urllib.request.urlopen(request, timeout=PATIENCE).close()
-
-    def end(self, number):
-        self.process.send_signal(number)
-        code = self.process.wait(PATIENCE)
-        self.process.stderr.close()
-        self.process.stdout.close()
-        return code
 
 
 def by_keyboard(running, until_done, watch):

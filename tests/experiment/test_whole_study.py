@@ -1,15 +1,22 @@
-"""The paper's study with nobody there: 128 trials × 2 cameras, killed now and then."""
+"""Whole studies: the paper's 128 trials × 2 cameras, and both screens, killed again and again."""
 
 import json
 import random
+import signal
 import subprocess
 import sys
 import time
 
 import pytest
 
+from browser import needs_chromium, open_page
+from igrip.cli.outputs import free_port
 from igrip.experiment.folder import StudyFolder, new_study
+from igrip.experiment.session import TRANSITIONS
 from igrip.io.datasets.trial import read_trials
+from running_study import Running
+from runtime_fakes import until
+from small_study import small_study
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
@@ -46,3 +53,44 @@ def test_the_papers_study_is_whole_after_kills(tmp_path):
     assert all("never appears" in str(flaw) for flaw in wrong)
     assert len(wrong) < 13
     assert (path / "sessions/P01/summary.html").exists()
+
+
+@needs_chromium
+def test_both_screens_stay_open_through_a_kill_at_every_transition(tmp_path):
+    folder = small_study(tmp_path / "study")
+    port = str(free_port(0))
+    with open_page("about:blank", 1920, 1080) as page:
+        participant = page.context.browser.new_page()
+        for transition in TRANSITIONS:
+            running = Running(folder, "--port", port, killed_at=transition)
+            if page.url == "about:blank":
+                page.goto(running.url)
+                participant.goto(f"{running.url}/participant")
+            press_until(page, lambda one=running: one.process.poll() is not None,
+                        "r" if transition == "marked" else "Space")  # fmt: skip
+            assert running.end(signal.SIGKILL) == -signal.SIGKILL
+            until(lambda: "ended" in page.inner_text("#phase"))
+            participant.wait_for_selector("body.wait")
+        running = Running(folder, "--port", port)
+        press_until(page, lambda: running.status()["phase"] == "finished", "Space")
+        participant.wait_for_selector("body.finished")
+        assert running.end(signal.SIGINT) == 130
+    counted = [one.trial for one in folder.progress("P01").attempts if one.counts]
+    assert counted == list(range(1, 9))  # every trial exactly once
+    rows = read_trials(folder.path / "trials.tsv", lenient=False)
+    assert {f"{row.recording}.mcap" for row in rows} == {
+        file.name for file in folder.recordings.iterdir()
+    }
+    report = tmp_path / "report"
+    evaluate = [sys.executable, "-m", "igrip", "evaluate", str(folder.path), "--out", str(report)]
+    subprocess.run([*evaluate, "--targets", "bayes"], check=True, capture_output=True)
+    assert (report / "report.html").exists()
+
+
+def press_until(page, is_over, key):
+    """Do trials by the keyboard alone until something is the case."""
+    until(lambda: page.locator("#start:disabled").count() == 0 or is_over())
+    while not is_over():
+        for name in ("e", "Space", "Space", key):
+            page.keyboard.press(name)
+            page.wait_for_timeout(400)

@@ -224,9 +224,10 @@ def review(
 def summary(
     folder: Folder, participant: Annotated[str, typer.Option(help="Whom it is about.")]
 ) -> None:
-    """Write one page on a participant: trials, validity, movements, and what igrip predicted.
+    """Write the page on one participant.
 
-    It is sessions/PARTICIPANT/summary.html; igrip experiment run writes it at the end, too.
+    It has trials, validity, movements, and what igrip predicted, and is
+    sessions/PARTICIPANT/summary.html; igrip experiment run writes it at the end, too.
 
     Example: igrip experiment summary my-study --participant P01
     """

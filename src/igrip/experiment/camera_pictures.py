@@ -51,18 +51,18 @@ def camera_picture(
         if 0 <= u < size[0] and 0 <= v < size[1]:
             at = (round(u), round(v))
             cv2.circle(picture, at, 9, colour, 3, cv2.LINE_AA)
-            place = (at[0] + 12, at[1] + 5)
-            for thickness, ink in ((4, (255, 255, 255)), (1, (0, 0, 0))):
-                cv2.putText(
-                    picture, name, place, cv2.FONT_HERSHEY_SIMPLEX, 0.55, ink, thickness,
-                    cv2.LINE_AA,
-                )  # fmt: skip
+            font = (cv2.FONT_HERSHEY_SIMPLEX, 0.55)
+            (wide, high), below = cv2.getTextSize(name, *font, 1)
+            x, y = max(2, min(at[0] + 14, size[0] - wide - 4)), at[1] + high // 2
+            box = ((x - 2, y - high - 3), (x + wide + 2, y + below))
+            cv2.rectangle(picture, *box, (255, 255, 255), cv2.FILLED)
+            cv2.putText(picture, name, (x, y), *font, (0, 0, 0), 1, cv2.LINE_AA)
     _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     return bytes(data)
 
 
 def _middle(one: Seen, catalog: Catalog | None) -> Sequence[float]:
-    if isinstance(one, Hand) or catalog is None or one.model not in catalog:
+    if isinstance(one, Hand) or catalog is None or one.model is None or one.model not in catalog:
         return one.position
     turned = Rotation.from_quat(one.orientation).apply(catalog[one.model].sphere[:3])
     return tuple(one.position + turned)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -25,7 +27,15 @@ MAX_AGE = 1.0  # s for which a hand or an object counts as seen
 
 
 class Observer(Protocol):
-    """What makes observations of one camera's frames; iterated once, in a thread."""
+    """What makes observations of one camera's frames; iterated once, in a thread.
+
+    Attributes
+    ----------
+    begin : float
+        When the times of observations begin, on the clock of the frames [s].
+    """
+
+    begin: float
 
     def __iter__(self) -> Iterator[Observation]: ...
 
@@ -223,7 +233,11 @@ class _One:
             self._writer = writer
             self._frames, self._tap = (None if tap is None else FrameRecorder(writer)), tap
         if tap is not None and self._frames is not None:
-            tap.tap = self._frames.add
+            tap.tap = partial(self._keep, self._frames)
+
+    def _keep(self, frames: FrameRecorder, frame: RgbdFrame) -> None:
+        """Record a frame, at its time on the clock of the observations."""
+        frames.add(replace(frame, t=frame.t - self._observer.begin))
 
     def mark(self, name: str, data: Mapping[str, Any]) -> None:
         """Write an event, at the time of the newest observation."""
