@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 from igrip import load_objects
+from igrip.errors import UnknownModelError
 from igrip.io.importers import RecordedReach
 from igrip.io.resampling import ImportOptions, resample
 
@@ -50,3 +52,13 @@ def test_noise_is_what_was_asked_for_and_repeats() -> None:
     assert abs(np.corrcoef(added[1:, 0], added[:-1, 0])[0, 1]) < 0.1
     np.testing.assert_array_equal(points(noisy), points(noisy))
     assert not np.array_equal(points(noisy, "s"), points(noisy, "r"))
+
+
+def test_an_object_gets_the_model_of_its_own_name(tmp_path) -> None:
+    trimesh.creation.cylinder(0.04, 0.1).export(tmp_path / "near.stl")
+    catalog = load_objects(tmp_path, "cylinder:0.03x0.12")
+    messages = resample(reach(), catalog, ImportOptions(mesh="cylinder:0.03x0.12"))
+    found = {id: pose.model for id, pose in messages[0].objects.items()}
+    assert found == {"near": "near", "far": "cylinder:0.03x0.12"}
+    with pytest.raises(UnknownModelError, match=r"object 'far' names no model.*has: near"):
+        resample(reach(), load_objects(tmp_path), ImportOptions())

@@ -92,7 +92,8 @@ def import_tables(
     input_rate: InputRate = None,
     missing: Missing = None,
     mesh: Annotated[
-        str, typer.Option(help="Model put at each object's place.")
+        str,
+        typer.Option(help="Model of objects that name none, and whose own name is no model's."),
     ] = "006_mustard_bottle",
     objects: options.Objects = None,
     rate: Annotated[

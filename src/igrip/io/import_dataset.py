@@ -46,8 +46,8 @@ def import_dataset(
         is left to write.
     """
     derived: dict[str, Any] = {
-        "mesh": f"{options.mesh} where an object names no model; without a tracked pose, upright, "
-        "the middle of the mesh's cylinder at the object's place",
+        "mesh": f"{options.mesh} where an object names no model and has no model's name; without "
+        "a tracked pose, upright, the middle of the mesh's cylinder at the object's place",
         "resampled_to_hz": options.rate,
         "rest_before_onset_s": options.rest,
         "added_noise_sd_m": options.noise,

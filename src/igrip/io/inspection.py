@@ -195,7 +195,7 @@ def map_from(inspections: Sequence[Inspection], rate: float | None = None) -> st
         lines += [
             f"[objects.{_key(id)}]",
             f"body = {json.dumps(key, ensure_ascii=False)}",
-            '# model = "025_mug"  # in the catalogue; else that of --mesh',
+            '# model = "025_mug"  # else the one with this name, else that of --mesh',
         ]
         lines += (
             ['# pivot = "mesh"  # if the body has the origin and axes of the mesh', ""]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from igrip.entities import ObjectPose
-from igrip.errors import DatasetError
+from igrip.errors import DatasetError, UnknownModelError
 from igrip.io.importers import Array, MovingObject, RecordedReach
 from igrip.io.plausibility import check_length, refusal
 from igrip.io.takes.take import MAX_INTERVAL_FACTOR, Track
@@ -58,7 +58,7 @@ def observations_of(
     if problem is not None:
         raise DatasetError(f"{reach.name}: {problem}")
     models = {
-        id: catalog[reach.models.get(id, options.mesh)]
+        id: _model_of(id, reach, catalog, options)
         for id in (*reach.object_positions, *reach.moving_objects)
     }
     at_rest = {
@@ -84,6 +84,22 @@ def observations_of(
                 objects=(at_rest if number == 0 else {})
                 | {id: poses[row] for id, poses in objects.items()},
             )
+
+
+def _model_of(
+    id: str, reach: RecordedReach, catalog: Catalog, options: ImportOptions
+) -> ObjectModel:
+    """Return the model that the reach names, else the one with the object's name, else the mesh."""
+    if id in reach.models:
+        return catalog[reach.models[id]]
+    try:
+        return catalog[id if id in catalog else options.mesh]
+    except UnknownModelError as error:
+        raise UnknownModelError(
+            f"object {id!r:.60} names no model, and {error}: name one in the map (model = …) or "
+            f"with --mesh; the catalogue has: {', '.join(list(catalog)[:6])}"
+            f"{', …' if len(catalog) > 6 else ''}"
+        ) from None
 
 
 Position = dict[str, list[float]] | None
