@@ -17,6 +17,7 @@ from playwright.sync_api import Page, sync_playwright
 FOLDER = Path(__file__).parent / "pictures" / "study"
 SIZES = ((1920, 1080), (820, 1180))  # a monitor and a tablet
 FLAGS = ["--no-sandbox", "--disable-background-networking", "--disable-sync"]
+WAIT = 2000  # ms until pictures of cameras are there
 PERSON = ("--participant", "P01")
 
 
@@ -33,13 +34,13 @@ def serving(*arguments: str) -> Iterator[str]:
         process.terminate()
 
 
-def photograph(page: Page, url: str, ready: str, name: str) -> None:
-    """Take a screenshot in each size once an element is there."""
+def photograph(page: Page, url: str, ready: str, name: str, wait: int = 500) -> None:
+    """Take a screenshot in each size once an element is there, after some milliseconds."""
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
         page.goto(url)
         page.wait_for_selector(ready)
-        page.wait_for_timeout(500)
+        page.wait_for_timeout(wait)
         page.screenshot(path=FOLDER / f"{name}-{width}.png")
 
 
@@ -64,6 +65,13 @@ def main() -> None:
             photograph(page, url, "#start:not([disabled])", "experimenter")
             order(url, "start")
             photograph(page, f"{url}/participant", "body.go", "participant-go")
+            for name in ("stop", *3 * ("start", "stop")):  # the fourth trial ends in a break
+                order(url, name)
+            photograph(page, f"{url}/participant", "body.rest", "participant-rest")
+        cameras = [f"--camera={name}=rendered" for name in ("left", "right")]
+        rendered = ("run", str(study), "--participant", "P02", "--consent", "2026-01-31")
+        with serving(*rendered, *cameras, "--hands", "depth") as url:
+            photograph(page, url, "#figures img", "experimenter-cameras", wait=WAIT)
         text = file.read_text(encoding="utf-8")
         file.write_text(text.replace('language = "en"', 'language = "fr"'), encoding="utf-8")
         with serving(*session) as url:

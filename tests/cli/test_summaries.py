@@ -50,7 +50,8 @@ def test_a_dataset_with_remarks_and_problems():
     ]  # fmt: skip
     summary = {
         "dataset": "Set", "trials": 15, "participants": 2, "times_real_time": 99.6, "processes": 2,
-        "derived": {"noise": 0.1}, "results": results, "cut": [],
+        "derived": {"noise": 0.1, "from": [{"axes": ["x", "y"], "unit": "mm"}]},
+        "results": results, "cut": [],
         "remarks": [{"recording": "a", "remark": "target 'cup' never appears"}],
         "problems": [
             {"recording": f"r{k}", "targets": "paper", "problem": "is gone"} for k in range(12)
@@ -59,6 +60,7 @@ def test_a_dataset_with_remarks_and_problems():
     text = printed(print_dataset, summary)
     assert "Set: 15 trials of 2 participants; 100 × real time on 2 process(es)" in text
     assert "noise: 0.1" in text
+    assert "from: axes x y, unit mm\n" in text
     assert "a: target 'cup' never appears" in text
     assert "12 result(s) are missing" in text
     assert "r9 (paper): is gone" in text

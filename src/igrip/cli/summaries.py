@@ -63,6 +63,16 @@ def print_recording(console: Console, summary: dict[str, Any]) -> None:
     console.print(table_of(columns, rows, left=(2, 4)) if rows else "no hand reached")
 
 
+def _plain(value: Any) -> str:
+    """Return nested values as a reader writes them: ``a 1, b 2; a 3``."""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_plain(one)}" for key, one in value.items())
+    if isinstance(value, list):
+        between = "; " if any(isinstance(one, dict) for one in value) else " "
+        return between.join(_plain(one) for one in value)
+    return str(value)
+
+
 def print_dataset(console: Console, summary: dict[str, Any]) -> None:
     """Print a :func:`igrip.lab.evaluation.replay.summarise_replay`."""
     console.print(
@@ -71,7 +81,7 @@ def print_dataset(console: Console, summary: dict[str, Any]) -> None:
         f"{summary['processes']} process(es)",
     )
     for key, value in (summary["derived"] or {}).items():
-        console.print(f"  {key}: {value}")
+        console.print(f"  {key}: {_plain(value)}")
     shares = {
         "success": "success",
         **{f"accuracy_{part}": f"right at {part}" for part in FRACTIONS},
