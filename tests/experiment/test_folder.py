@@ -7,6 +7,7 @@ import shutil
 import pytest
 import trimesh
 
+from igrip.experiment.folder import StudyFolder
 from igrip.experiment.study import StudyError
 from small_study import small_study
 
@@ -32,6 +33,15 @@ def test_meshes_beside_the_study_file_are_found_from_anywhere(tmp_path, monkeypa
     shutil.rmtree(meshes)
     with pytest.raises(StudyError, match="models: "):
         folder.catalog()
+
+
+def test_a_plan_for_other_places_does_not_go_on(tmp_path):
+    folder = small_study(tmp_path / "study")
+    folder.enrol("P01", "2026-01-31")
+    file = folder.path / "study.toml"
+    file.write_text(file.read_text().replace("{A = ", "{near = "))
+    with pytest.raises(StudyError, match="drawn for other places"):
+        StudyFolder(folder.path).check("P01", None)
 
 
 def test_a_new_participant_is_checked_without_a_trace(tmp_path):

@@ -184,16 +184,25 @@ class StudyFolder:
         return plan
 
     def _refuse_other_factors(self, plan: Plan, path: Path) -> None:
-        """Raise an error where the plan was drawn for other factors than the study has now."""
+        """Raise an error where the plan was drawn for another study than there is now."""
         levels = {
             factor: {trial.levels.get(factor) for trial in plan.trials}
             for factor in plan.trials[0].levels
         }
-        if levels != {factor: set(names) for factor, names in self.study.factors.items()}:
-            raise StudyError(
-                f"{path}: was drawn for other factors or levels than {FILE} has now; restore "
-                f"{FILE}, or make a new study for the changed one"
-            )
+        places = {place for trial in plan.trials for place in trial.layout.values()}
+        kinds = {
+            "factors or levels": levels == {
+                factor: set(names) for factor, names in self.study.factors.items()
+            },
+            "objects": set(plan.trials[0].layout) == set(self.study.objects),
+            "places": places <= set(self.study.layouts.places),
+        }  # fmt: skip
+        for kind, same in kinds.items():
+            if not same:
+                raise StudyError(
+                    f"{path}: was drawn for other {kind} than {FILE} has now; restore {FILE}, or "
+                    "make a new study for the changed one"
+                )
 
     def progress(self, participant: str) -> SessionProgress:
         """Return where a participant stands, without changing anything."""

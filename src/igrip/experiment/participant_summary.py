@@ -22,7 +22,7 @@ from igrip.objects.catalog import Catalog
 from igrip.version import __version__
 
 BEFORE, AFTER = 0.3, 0.5  # s of the profile that is drawn around a movement
-WIDTH, HEIGHT = 640, 180  # of the figure
+WIDTH, HEIGHT, LABEL = 640, 180, 24  # of the figure, and of the line of text above its curves
 
 
 def write_summary(
@@ -129,7 +129,7 @@ def _profiles(counted: Sequence[ReviewedRecording], review: Review) -> dict[str,
     top = max((v for line in chosen for _, v in line), default=1.0)
     across = WIDTH / (BEFORE + AFTER + 1.0)
     lines = [
-        " ".join(f"{t * across:.1f},{HEIGHT - v / top * (HEIGHT - 12):.1f}" for t, v in line)
+        " ".join(f"{t * across:.1f},{HEIGHT - v / top * (HEIGHT - LABEL):.1f}" for t, v in line)
         for line in chosen
     ]
     return {"lines": lines, "top": top, "onset": BEFORE * across}
