@@ -30,8 +30,10 @@ def serving(*arguments: str) -> Iterator[str]:
     ) as (process):
         assert process.stderr is not None
         found = (re.search(r"http://[\w.]+:\d+", line) for line in process.stderr)
-        yield next(one for one in found if one)[0]
-        process.terminate()
+        try:
+            yield next(one for one in found if one)[0]
+        finally:
+            process.terminate()
 
 
 def photograph(page: Page, url: str, ready: str, name: str, wait: int = 500) -> None:
@@ -75,6 +77,7 @@ def main() -> None:
         text = file.read_text(encoding="utf-8")
         file.write_text(text.replace('language = "en"', 'language = "fr"'), encoding="utf-8")
         with serving(*session) as url:
+            order(url, "end_break")
             photograph(page, f"{url}/participant", "body.ready", "participant-french")
         subprocess.run([*igrip, *session, "--unattended"], check=True)
         with serving(*session) as url:
