@@ -6,16 +6,23 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from igrip import Config, load_objects
 from igrip.lab import parallel
+from igrip.lab.benchmark.entries import parse_entry
+from igrip.lab.benchmark.run import run_entry
+from igrip.lab.benchmark.sets import open_set
 from igrip.lab.evaluation.runner import run_trials
 from igrip.lab.evaluation.trial_rows import score_run
 from igrip.lab.parallel import ALONE, ClusterError, Workers, count_jobs
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import cohort_parameters
-from runtime_fakes import PATIENCE, until
+from igrip.lab.tuning.replays import Replays
+from runtime_fakes import until
+
+SLOWER = {"motion.reach.time_constant": 0.1}
 
 
 def test_processes_are_spawned_and_get_trials_in_chunks(monkeypatch):
@@ -91,34 +98,6 @@ def test_processes_end_when_the_one_that_started_them_is_killed(small_dataset, t
             until(lambda pid=pid: not Path(f"/proc/{pid}").exists())
 
 
-@pytest.fixture
-def cluster(tmp_path):
-    """A scheduler and two workers, processes of their own; yields the address and the workers."""
-    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-    dask = str(Path(sys.executable).with_name("dask"))
-    file = tmp_path / "scheduler.json"
-    options = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    started = [
-        subprocess.Popen(
-            [dask, "scheduler", "--port", "0", "--no-dashboard", "--host", "127.0.0.1",
-             "--scheduler-file", str(file)], cwd=tmp_path, **options,
-        )
-    ]  # fmt: skip
-    until(lambda: file.exists() and file.stat().st_size > 0)
-    address = json.loads(file.read_text())["address"]
-    one = [dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
-           "--local-directory", str(tmp_path / "space")]  # fmt: skip
-    workers = [subprocess.Popen(one, cwd=tmp_path, **options) for _ in range(2)]
-    import distributed
-
-    with distributed.Client(address, timeout=PATIENCE, set_as_default=False) as client:
-        client.wait_for_workers(2, timeout=PATIENCE)
-    yield address, workers, one
-    for process in [*workers, *started]:
-        process.kill()
-        process.wait()
-
-
 def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(small_dataset, cluster):
     address, workers, one = cluster
     catalog = load_objects(*small_dataset.objects)
@@ -145,6 +124,28 @@ def test_a_cluster_simulates_the_same_people(ycb, cluster, tmp_path):
         written.append({path.relative_to(folder): path.read_bytes()
                         for path in sorted(folder.rglob("*")) if path.is_file()})  # fmt: skip
     assert written[0] == written[1]
+
+
+def test_a_cluster_replays_the_same_trials_for_a_tuning(small_dataset, cluster):
+    catalog = load_objects(*small_dataset.objects)
+    found = []
+    for workers in (ALONE, Workers(scheduler=cluster[0])):
+        replays = Replays(small_dataset, catalog, Config(), small_dataset.trials, workers)
+        found.append([np.array(replays.outcomes(values)).tolist() for values in ({}, SLOWER)])
+    assert np.isfinite(found[0][0][0]).all()  # every trial has its commitment
+    assert json.dumps(found[0]) == json.dumps(found[1])
+
+
+def test_a_cluster_judges_an_entry_alike(small_dataset, cluster, tmp_path):
+    catalog = load_objects(*small_dataset.objects)
+    judged = open_set("small", small_dataset.path)
+    found = []
+    for workers in (ALONE, Workers(scheduler=cluster[0])):
+        (out := tmp_path / f"judged{len(found)}").mkdir()
+        rows = list(run_entry(parse_entry("distance"), judged, catalog, out, workers))
+        found.append([{k: v for k, v in row.items() if k != "ms"} for row in rows])
+    assert [row["success"] for row in found[0]] == [True] * len(judged.trials)
+    assert json.dumps(found[0]) == json.dumps(found[1])
 
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:8787", "tcp://127.0.0.1", "foo://x:1", "x"])

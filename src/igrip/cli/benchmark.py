@@ -64,8 +64,8 @@ def benchmark(
 
     Of a declared set one person in five is judged, always the same people; entries may learn from
     the others. Of any other set everybody is judged. The table has earliness, accuracy,
-    calibration, leases, false leases and cost, each with an interval. What is done is kept: the
-    same command goes on. docs/benchmark.md tells how to enter.
+    calibration, leases, false leases and cost, each with an interval; an entry that fails is left
+    out of it. What is done is kept: the same command goes on. docs/benchmark.md tells how to enter.
 
     Example: igrip benchmark near_far=wispinski2021/ --entry bayes --entry mine=my_module:Estimator
     """
@@ -76,7 +76,7 @@ def benchmark(
     with requires_extra("pandas", "benchmark", "the benchmark"):
         from igrip.lab.benchmark.table import frame_of, lines_of, markdown, sum_up
     out.mkdir(parents=True, exist_ok=True)
-    rows = []
+    rows, failed = [], {}
     kept = f"what is done is kept in {out}; the same command goes on from there"
     with interruptible(kept):
         opened = [open_set(n, _dataset_of(n, folder, out)) for n, folder in named.items()]
@@ -87,12 +87,18 @@ def benchmark(
                 check_entries(entries, judged, catalog)
             inform(f"{name}: {len(judged.trials)} recordings, {judged.split}")
             workers = Workers(count_jobs(jobs, len(judged.trials)), scheduler, cluster_page)
-            for one in entries:
-                with progress(f"{name}: {one.name}", len(judged.trials)) as update:
-                    for row in run_entry(one, judged, catalog, out, workers):
-                        rows.append(row)
-                        update(advance=1)
-    frame = frame_of(rows)
+            for one in (one for one in entries if one.name not in failed):
+                try:
+                    with progress(f"{name}: {one.name}", len(judged.trials)) as update:
+                        for row in run_entry(one, judged, catalog, out, workers):
+                            rows.append(row)
+                            update(advance=1)
+                except EntryError as error:
+                    failed[one.name] = str(error)
+                    inform(f"{one.name} is left out of the table: {error}")
+    if len(failed) == len(entries):
+        raise EntryError(next(iter(failed.values())))
+    frame = frame_of([row for row in rows if row["entry"] not in failed])
     table = sum_up(frame)
     (out / "table.md").write_text(markdown(table), encoding="utf-8")
     frame.drop(columns=["row", "stamp"]).to_json(out / "trials.jsonl", orient="records", lines=True)
@@ -104,6 +110,10 @@ def benchmark(
         output.print(f"{out / 'table.md'}", soft_wrap=True)
     if not any(row["reaches"] for row in table):
         raise DatasetError("no recording could be scored; next: igrip check FOLDER")
+    if failed:
+        raise EntryError(
+            f"left out of the table: {', '.join(failed)}; {next(iter(failed.values()))}"
+        )
 
 
 def _entries(given: list[str] | None) -> list[Entry]:

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from datasets import write_small_dataset
 from igrip import Config, Estimator, Observation, load_objects
+from igrip.cli.app import app
 from igrip.errors import UnknownNameError
 from igrip.intention import Commitment, Intention
 from igrip.io.datasets.dataset import Trial
@@ -71,6 +73,17 @@ class Throws(Broken):
     def update(self, observation):
         raise KeyError("late boom")
 '''
+LATE = """
+
+class AfterTheTrial(Mine):
+    seen = 0
+
+    def update(self, observation):
+        AfterTheTrial.seen += 1
+        if AfterTheTrial.seen > 12:  # the trial before the benchmark has ten
+            raise KeyError("late boom")
+        return super().update(observation)
+"""
 PROGRAM = """
 import json, sys
 import igrip
@@ -174,6 +187,19 @@ def test_a_misspelt_estimator_gets_a_suggestion():
 def test_an_entry_that_fails_is_named(judged, here, text, words):
     with pytest.raises(EntryError, match=words):
         rows_of(text, judged, here)
+
+
+def test_an_entry_that_fails_is_left_out_of_the_table(judged, here):
+    (here / "late.py").write_text(MODULE + LATE)
+    command = ["benchmark", f"small={judged.dataset.path}", "--out", "done",
+               "--entry", "late=late:AfterTheTrial", "--entry", "distance"]  # fmt: skip
+    ended = CliRunner().invoke(app, command)
+    sys.modules.pop("late", None)
+    assert ended.exit_code != 0
+    table = (here / "done" / "table.md").read_text()
+    assert "distance" in table
+    assert "late" not in table
+    assert "left out of the table: late" in str(ended.exception) + ended.output
 
 
 def test_the_entry_of_the_page_enters_as_it_stands(judged, here):
