@@ -27,6 +27,7 @@ Random = np.random.Generator
 STEP = 2  # pixels; hands are looked for in a smaller picture
 EDGE = -0.45  # y of the table's edge that people sit at [m]
 VIEWS = 4  # of each arm
+NEAR = 0.05  # a frame that shows nothing so near to the palm does not show the hand [m]
 
 
 class SeenArm(NamedTuple):
@@ -91,7 +92,8 @@ def _seen(model: Any, pose: Array, random: Random) -> tuple[Array, Array, Array]
     points = points @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
     inside = (points[:, 1] > EDGE) & (points[:, 2] > 0.012)
     entering = inside & (points[:, 1] < EDGE + 0.03)
-    if inside.sum() < 200:
+    shows = np.linalg.norm(points[inside] - pose[:3, 3], axis=1) < NEAR
+    if inside.sum() < 200 or not shows.any():
         return None
     points = points[inside]
     border = np.median(points[entering[inside]], axis=0) if entering.sum() >= 8 else None

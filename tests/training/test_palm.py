@@ -5,7 +5,7 @@ import pytest
 
 from igrip.perception.arms.end_shape import INPUTS
 from training.palm import fit_palm, left_out, mirrored
-from training.worn_hands import EDGE, KINDS, seen_arm
+from training.worn_hands import EDGE, KINDS, NEAR, seen_arm
 
 
 def some(count=400, seed=0):
@@ -47,7 +47,7 @@ def test_arms_are_seen_where_they_are():
         assert len(arm.points) >= 200
         assert arm.points[:, 1].min() > EDGE
         # something of the hand is measured near the palm, and the arm comes in behind it
-        assert np.linalg.norm(arm.points - arm.palm, axis=1).min() < 0.06
+        assert np.linalg.norm(arm.points - arm.palm, axis=1).min() < NEAR
         assert arm.entry[1] < arm.palm[1]
     again = seen_arm(0, 3)
     assert [arm.points.tolist() for arm in again] == [a.points.tolist() for a in arms[: len(again)]]

@@ -103,7 +103,8 @@ def _half_breadths(places: Array) -> Array:
 
     ``places`` (n, 2) are along and across the arm. Gaps between rods or fingers count as filled.
     """
-    low = np.array([0.0, places[:, 1].min()]) - 3 * CELL
+    # the outermost point lies in the middle of its cell: rounding must not move it to the next
+    low = np.array([0.0, places[:, 1].min() - 0.5 * CELL]) - 3 * CELL
     cells = np.floor((places - low) / CELL).astype(int)
     cells = cells[cells[:, 0] >= 0]
     rows = round(LENGTH / CELL) + 3
