@@ -65,10 +65,7 @@ def real_frame(shared, name):
     [("6dof_sugar", (0.175, 0.095, 0.045)), ("6dof_cheezit", (0.21, 0.16, 0.06))],
 )
 def test_real_boxes_are_measured(shared_data, catalog, name, size):
-    folder = shared_data if (shared_data / "rgbd").is_dir() else shared_data / "data"
-    if not (folder / "rgbd").is_dir():
-        pytest.skip("real RGB-D frames are absent")
-    colour, depth, pinhole = real_frame(folder, name)
+    colour, depth, pinhole = real_frame(shared_data, name)
     estimator = AutoPoses(catalog, {"models": [MUSTARD]})
     for k in range(4):
         poses = estimator.estimate(RgbdFrame(0.1 * k, colour, depth, pinhole, "c", np.eye(4)))

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from igrip.perception.arms.blobs import Blob, join
-from igrip.perception.arms.palm import HAND, USUAL, ArmEnd, arm_end
+from igrip.perception.arms.end_shape import LENGTH
+from igrip.perception.arms.palm import ArmEnd, arm_end
 from igrip.rgbd import Array
 
 GATE = 0.12  # a piece so near to where a hand should be may be its [m]; guess
@@ -23,7 +24,6 @@ HOVERS = 0.03  # what is nowhere lower than that stands on nothing [m]; guess
 LEANS = np.radians([12.0, 60.0])  # over the table: what stands is steeper, what lies less; guess
 NEAR_HAND = 0.12  # from a known hand: what moves there is what the hand moves [m]; guess
 STEP = 0.01  # a hand that moved so far has moved [m]; guess
-LEARNED = 0.3  # weight of the newest distance from tip to palm; guess
 COAST = 0.1  # s for which a hand that is not measured goes on as before
 HELD = 0.4  # s for which an arm that is not measured is remembered
 SAME = 0.06  # arms nearer than that at both ends are one [m]; guess
@@ -42,7 +42,6 @@ class Arm:
     still_at: Array  # (3, 3): palm, tip and middle at that time
     moved: bool = False
     hits: int = 1
-    usual: float = USUAL  # from its tip to its palm, as its shape showed it lately [m]
     velocity: Array = field(default_factory=lambda: np.zeros(3))
 
     def predict(self, t: float) -> Array:
@@ -93,14 +92,13 @@ class ArmTracker:
             arm.entry = blob.entry
         elif arm.blob.entry is None:  # it hangs in the air: its far end goes along
             arm.entry = arm.entry + arm.velocity * (t - arm.t)
-        end = arm_end(blob.points, arm.entry, camera, arm.usual)
+        end = arm_end(blob.points, arm.entry, camera)
         if end is None:
             return
         dt = max(t - arm.t, 1e-3)
         velocity = (end.palm - arm.end.palm) / dt
         speed = float(np.linalg.norm(velocity))
         velocity *= min(1.0, MAX_SPEED / max(speed, 1e-9))
-        arm.usual += LEARNED * (end.back - arm.usual)
         arm.velocity = 0.5 * (arm.velocity + velocity)
         arm.end, arm.t, arm.blob, arm.hits = end, t, blob, arm.hits + 1
         middle = blob.points.mean(axis=0)
@@ -157,7 +155,7 @@ def _shared(blob: Blob, arms: list[Arm], t: float) -> list[Blob]:
     if len(arms) < 2:
         return [blob] * len(arms)
     gaps = np.stack([
-        _to_segment(blob.points, arm.entry, arm.predict(t) + 0.5 * HAND * arm.end.along)
+        _to_segment(blob.points, arm.entry, arm.predict(t) + 0.5 * LENGTH * arm.end.along)
         for arm in arms
     ])  # fmt: skip
     nearest = gaps.argmin(axis=0)
