@@ -66,7 +66,7 @@ def build_intention(t: float, results: HandResults, object_problems: str | None)
     rows = zip(*(column.tolist() for column in (*cues.values(), estimate.scores)), strict=True)
     probability = None
     if estimate.probability is not None:
-        probability = dict(zip([*ids, "none"], map(float, estimate.probability), strict=True))
+        probability = dict(zip([*ids, "none"], estimate.probability.tolist(), strict=True))
     age, grasp = t - motion.t, grip.grasp
     until_contact, until_end = (p.after(age) for p in timing) if timing else (None, None)
     return Intention(

@@ -101,6 +101,9 @@ class Verdict(NamedTuple):
     reason: str | None = None
 
 
+ACCEPTED = {action: Verdict(action) for action in ("accept", "restart")}
+
+
 class Gate:
     """Validation gate of one entity.
 
@@ -211,4 +214,4 @@ class Gate:
             self._same_since = t
         self.newest, self.position = t, position
         self._rejected_since, self._rejected_t, self._first_jump = None, -math.inf, math.inf
-        return Verdict(action)
+        return ACCEPTED[action]

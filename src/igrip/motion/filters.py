@@ -155,6 +155,10 @@ class PoseFilter:
     def __init__(self, position: OneEuroConfig, orientation: OneEuroConfig) -> None:
         self.position = PositionFilter(position)
         self.orientation = OrientationFilter(orientation)
+        # side by side: each array costs a call from Python some time
+        self._states = np.stack([self.position.state, self.orientation.state])
+        self._parameters = np.stack([self.position.parameters, self.orientation.parameters])
+        self.position.state, self.orientation.state = self._states
         self.begun = False
 
     def update(self, t: float, position: Vector, orientation: Quaternion) -> None:
@@ -164,10 +168,7 @@ class PoseFilter:
             self.orientation.update(t, orientation)
             self.begun = True
             return
-        step_pose(
-            self.position.state, self.orientation.state, t, *position, *orientation,
-            self.position.parameters, self.orientation.parameters,
-        )  # fmt: skip
+        step_pose(self._states, self._parameters, t, *position, *orientation)
 
     def place(self, local: Array, rest_speed: float) -> PlacedPoint:
         """Return the filtered pose as matrices, with a point and its velocity.
@@ -180,5 +181,5 @@ class PoseFilter:
             A slower object rests: its velocity is zero [m/s].
         """
         out = np.empty((6, 3))
-        place_point(self.position.state, self.orientation.state, local, rest_speed, out)
+        place_point(self._states, local, rest_speed, out)
         return PlacedPoint(out[:3], *out[3:])

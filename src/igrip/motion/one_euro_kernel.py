@@ -15,8 +15,8 @@ from igrip.entities import Quaternion, Vector
 
 Array = NDArray[np.float64]
 
-# layout of the state, used in this file alone: value (4, the last unused for a point), derivative
-# (3), velocity (3), time of the last sample; and of the parameters
+# layout of the state, used in this file and by trajectory_kernel.py alone: value (4, the last
+# unused for a point), derivative (3), velocity (3), time of the last sample; and of the parameters
 VALUE, DERIVATIVE, VELOCITY, TIME, SIZE = 0, 4, 7, 10, 11
 MIN_CUTOFF, BETA, DERIVATIVE_CUTOFF = 0, 1, 2
 
@@ -123,21 +123,29 @@ def step_orientation(state, t, x, y, z, w, parameters):
 
 
 @kernel
-def step_pose(position, orientation, t, x, y, z, qx, qy, qz, qw, of_position, of_orientation):
-    """Take both steps in one call; the quaternion need not be of unit length."""
-    step_position(position, t, x, y, z, of_position)
+def step_pose(states, parameters, t, x, y, z, qx, qy, qz, qw):
+    """Take both steps in one call; the quaternion need not be of unit length.
+
+    Parameters
+    ----------
+    states, parameters : (2, 11), (2, 3)
+        Of the filters of the position and of the orientation; the states are changed.
+    t, x, y, z, qx, qy, qz, qw : float
+        The sample [s, m].
+    """
+    step_position(states[0], t, x, y, z, parameters[0])
     n = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
-    step_orientation(orientation, t, qx / n, qy / n, qz / n, qw / n, of_orientation)
+    step_orientation(states[1], t, qx / n, qy / n, qz / n, qw / n, parameters[1])
 
 
 @kernel
-def place_point(position, orientation, local, rest_speed, out):
+def place_point(states, local, rest_speed, out):
     """Write a filtered pose as matrices, with a point of the object and its velocity.
 
     Parameters
     ----------
-    position, orientation : (11,)
-        States of the two filters.
+    states : (2, 11)
+        Of the filters of the position and of the orientation.
     local : (3,)
         A point of the object, in its own frame [m].
     rest_speed : float
@@ -145,6 +153,7 @@ def place_point(position, orientation, local, rest_speed, out):
     out : (6, 3), written
         Rotation by rows, translation, the point in the world [m], its velocity [m/s].
     """
+    position, orientation = states[0], states[1]
     x, y, z, w = orientation[0], orientation[1], orientation[2], orientation[3]
     out[0, 0], out[0, 1] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z)
     out[0, 2], out[1, 0] = 2.0 * (x * z + w * y), 2.0 * (x * y + w * z)

@@ -11,9 +11,17 @@ from numpy.typing import NDArray
 from igrip.entities import Vector
 from igrip.motion.filters import OneEuroConfig, PositionFilter
 from igrip.motion.palm_axes import PalmAxes
-from igrip.motion.quadratic_fit import predict
 from igrip.motion.reach_detection import ReachConfig, ReachDetector
 from igrip.motion.reach_kernel import ReachState
+from igrip.motion.trajectory_kernel import (
+    COEFFICIENTS,
+    FILTERED,
+    FUTURE,
+    POSITION,
+    SPEED,
+    advance,
+    new_window,
+)
 from igrip.settings import Settings, quantity
 
 Array = NDArray[np.float64]
@@ -88,21 +96,19 @@ class Trajectory:
 
     def reset(self) -> None:
         """Forget everything, as before the first sample."""
-        self._filter = PositionFilter(self._config.filter)
         self._reach = ReachDetector(self._config.reach)
-        # twice the window, so that it can slide without moving on every sample
-        self._times = np.empty(2 * self._config.window)
-        self._positions = np.empty((2 * self._config.window, 3))
-        self._speeds = np.empty(2 * self._config.window)
-        self._first = self._end = 0
+        self._filter = PositionFilter(self._config.filter)
+        self._window, self._ends = new_window(self._config.window)
 
     def __len__(self) -> int:
-        return self._end - self._first
+        first, end = self._ends.tolist()
+        return int(end - first)
 
     @property
     def past(self) -> Array:
         """The filtered positions in the window, oldest first, shape (n, 3) [m]."""
-        return self._positions[self._first : self._end].copy()
+        first, end = self._ends.tolist()
+        return self._window[first:end, POSITION:SPEED].copy()
 
     def update(self, t: float, position: Vector) -> Motion | None:
         """Add a sample measured at ``t`` [s], later than the last.
@@ -113,41 +119,22 @@ class Trajectory:
             None while the window does not determine the regression.
         """
         reach = self._reach.update(t, position)
-        filtered = self._filter.update(t, position)
-        self._append(t, filtered)
-        coefficients = np.empty((3, 3))
-        first, end = self._first, self._end
-        future, future_velocity = np.empty((2, len(self._steps), 3))
-        speed = predict(
-            self._times[first:end], self._positions[first:end], self._steps,
-            coefficients, future, future_velocity,
+        ahead = FUTURE + len(self._steps)
+        out = np.empty((ahead + len(self._steps), 3))
+        speed, peak = advance(
+            self._filter.state, self._filter.parameters, self._window, self._ends, t, *position,
+            self._config.window_duration, self._steps, out,
         )  # fmt: skip
         if math.isnan(speed):
             return None
-        peak = max(self._speeds[first : end - 1].tolist(), default=-1.0)
-        self._speeds[end - 1] = speed
         return Motion(
             t=t,
-            position=self._positions[end - 1].copy(),
-            coefficients=coefficients,
-            velocity=coefficients[1],
+            position=out[FILTERED],
+            coefficients=out[COEFFICIENTS:FUTURE],
+            velocity=out[COEFFICIENTS + 1],
             speed=speed,
             window_peak_speed=peak if peak >= 0.0 else None,
-            future=future,
-            future_velocity=future_velocity,
+            future=out[FUTURE:ahead],
+            future_velocity=out[ahead:],
             reach=reach,
         )
-
-    def _append(self, t: float, position: Vector) -> None:
-        if self._end == len(self._times):
-            kept = self._end - self._first
-            for buffer in (self._times, self._positions, self._speeds):
-                buffer[:kept] = buffer[self._first : self._end]
-            self._first, self._end = 0, kept
-        self._times[self._end] = t
-        self._positions[self._end] = position
-        self._speeds[self._end] = -1.0  # no regression, no speed
-        self._end += 1
-        oldest = t - self._config.window_duration
-        while self._end - self._first > self._config.window or self._times[self._first] < oldest:
-            self._first += 1
