@@ -1,0 +1,199 @@
+"""A scan: views are gathered while a thing is turned, until it was seen from all sides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from igrip.errors import IgripError
+from igrip.perception.registration.table import Table
+from igrip.perception.scan.coverage import degrees_seen
+from igrip.perception.scan.find import NO_TABLE, Sighting, Unseen, find_thing
+from igrip.perception.scan.fuse import fused
+from igrip.perception.scan.joint import joined
+from igrip.perception.scan.options import ScanOptions
+from igrip.perception.scan.planar_pose import PlanarPose
+from igrip.perception.scan.register import register
+from igrip.perception.scan.revolve import views_all_round
+from igrip.perception.scan.scan_view import ScanView, scan_view
+from igrip.perception.scan.stillness import LastMoment, is_same
+from igrip.perception.scan.surface_nets import mesh_of
+from igrip.rgbd import Array, RgbdFrame
+
+FULL = 360.0 - 0.5  # degrees
+LOST = "it is not recognised after that turn: turn it back, and on in steps of about 30 degrees"
+UNTURNED = (
+    "it has not turned: turn it on, by about 30 degrees at a time, and take the hand away; a thing "
+    "that looks the same from all sides needs --round"
+)
+
+
+class ScanError(IgripError):
+    """A scan came to no end; the message says what to do."""
+
+
+class Scanner:
+    """Gathers views of one thing before one camera.
+
+    Parameters
+    ----------
+    options : ScanOptions
+        Its numbers.
+    round_thing : bool
+        Whether it looks the same from all sides: then one view is enough.
+
+    Attributes
+    ----------
+    views : list of ScanView
+        In poses of a frame on the table, z up.
+    problem : str or None
+        Why there is no new view just now, and what to do; None: nothing is wrong.
+    """
+
+    def __init__(self, options: ScanOptions, round_thing: bool = False) -> None:
+        self.options, self._round = options, round_thing
+        self.views: list[ScanView] = []
+        self.problem: str | None = None
+        self._table = Table()
+        self._moment = LastMoment(options.settle)
+        self._random = np.random.default_rng(options.seed)
+        self._looked_at: Sighting | None = None  # and belonged nowhere
+        self._turns: list[float] = []  # between views [rad]
+        self._progress: float | None = None  # when there was any, or none was due [s]
+
+    @property
+    def degrees(self) -> float:
+        """How far round the thing was seen, at most 360."""
+        if self._round:
+            return 360.0 if self.views else 0.0
+        return degrees_seen([view.pose.yaw for view in self.views], self.options.arc)
+
+    @property
+    def done(self) -> bool:
+        """Whether it was seen from all sides."""
+        return self.degrees >= FULL
+
+    def add(self, frame: RgbdFrame, hands: Sequence[Array] = ()) -> bool:
+        """Take a frame; return whether it brought a new view.
+
+        ``hands`` are points on hands in the picture, (n, 2) each [pixels].
+
+        Raises
+        ------
+        ScanError
+            If the camera has no depth, or nothing has come of it for too long.
+        """
+        if frame.depth is None:
+            raise ScanError("a scan needs a camera with depth, such as oak or realsense")
+        new = self._add(frame, hands)
+        if new or self._progress is None:
+            self._progress = frame.t
+        if frame.t - self._progress > self.options.patience:
+            raise ScanError(f"nothing new for {self.options.patience:g} s: {self.missing()}")
+        return new
+
+    def missing(self) -> str:
+        """Return what is missing, and what to do."""
+        if not self.views or self.problem not in (None, UNTURNED):
+            if self.problem is None:
+                return "no hand must be at the thing for a moment: take it away, and wait"
+            return self.problem
+        if len(self.views) == 1:
+            return UNTURNED
+        return (
+            f"only {self.degrees:.0f} of 360 degrees were seen: turn it on, all the way round, and "
+            "scan again"
+        )
+
+    def mesh(self) -> trimesh.Trimesh:
+        """Return the mesh of the thing: metres, z up, origin on the table under its middle.
+
+        The poses of :attr:`views` are moved to that frame.
+
+        Raises
+        ------
+        ScanError
+            If it was not seen from all sides, or is not round though it was said to be.
+        """
+        if not self.done:
+            raise ScanError(self.missing())
+        if self._round:
+            views = views_all_round(self.views[0])
+            if views is None:
+                raise ScanError(
+                    "it does not look the same from all sides: turn it, without --round"
+                )
+            self.views = views
+        else:
+            self.views = joined(self.views, self._random)
+        mesh = mesh_of(fused(self.views, self.options.cell))
+        middle = mesh.bounds.mean(axis=0)
+        self.views = [
+            view.placed(view.pose.moved(0.0, -float(middle[0]), -float(middle[1])))
+            for view in self.views
+        ]
+        mesh.apply_translation([-middle[0], -middle[1], -mesh.bounds[0, 2]])
+        return mesh
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Return the thing as the first view shows it, cropped to it, (h, w, 3)."""
+        view = self.views[0]
+        rows, columns = view.sighting.box
+        return np.ascontiguousarray(view.colour[rows, columns])
+
+    def _add(self, frame: RgbdFrame, hands: Sequence[Array]) -> bool:
+        reach = (self.options.min_depth, self.options.max_depth)
+        if not self._table.update(frame, reach, self._random, bool(self.views)):
+            self.problem = NO_TABLE
+            return False
+        assert self._table.plane is not None
+        if self._table.change is not None and self.views:
+            raise ScanError("the camera or the table has moved: leave both as they are, scan again")
+        options = self.options
+        found = find_thing(
+            frame, self._table.plane, hands, reach, options.stand, options.tolerance
+        )
+        if isinstance(found, Unseen):
+            self._moment.clear()
+            self.problem = found.problem
+            return False
+        self._moment.add(frame.t, found)
+        best = self._moment.best()
+        if best is None or self._is_known(best):
+            return False
+        view = scan_view(best, frame.colour, reach, PlanarPose(0.0, 0.0, 0.0))
+        return self._first(view) if not self.views else self._next(view, best)
+
+    def _is_known(self, sighting: Sighting) -> bool:
+        """Whether it looks as when it was looked at last."""
+        if self._looked_at is not None and is_same(self._looked_at, sighting):
+            return True
+        if self.views and is_same(self.views[-1].sighting, sighting):
+            self.problem = UNTURNED
+            return True
+        return False
+
+    def _first(self, view: ScanView) -> bool:
+        low, high = view.points[:, :2].min(axis=0), view.points[:, :2].max(axis=0)
+        x, y = (float(value) for value in -0.5 * (low + high))
+        self.views.append(view.placed(PlanarPose(0.0, x, y)))
+        self.problem = None
+        return True
+
+    def _next(self, view: ScanView, sighting: Sighting) -> bool:
+        expected = float(np.median(self._turns[-5:])) if self._turns else 0.0
+        found = register(view, self.views, expected, self._random)
+        if found is None:
+            self._looked_at, self.problem = sighting, LOST
+            return False
+        turn = (found.pose.yaw - self.views[-1].pose.yaw + np.pi) % (2.0 * np.pi) - np.pi
+        if abs(turn) < np.radians(self.options.step):
+            self._looked_at, self.problem = sighting, UNTURNED
+            return False
+        self._turns.append(float(turn))
+        self.views.append(view.placed(found.pose))
+        self._looked_at, self.problem = None, None
+        return True
