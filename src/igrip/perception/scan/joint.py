@@ -10,23 +10,45 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from igrip.perception.scan.register import SAME_SIDE, weights
+from igrip.perception.scan.mutual_score import MutualScore
+from igrip.perception.scan.register import SAME_SIDE, weights, wrapped
 from igrip.perception.scan.scan_view import ScanView
 from igrip.rgbd import Array
 
 FAR = np.radians(100.0)  # views that are turned by more share too little
-GATES = np.geomspace(0.012, 0.004, 10)  # of each round [m]
+GATES = tuple(np.geomspace(0.012, 0.004, 10))  # of each round [m]
 POINTS = 300  # of a view, in each pair
+BESIDE = 8  # views that one is compared with
 HOLD = 0.02  # of a view where it is, in shares of its points
 
 
-def joined(views: Sequence[ScanView], random: np.random.Generator) -> list[ScanView]:
-    """Return the views in poses that agree best; the first stays where it is."""
+def joined(
+    views: Sequence[ScanView], random: np.random.Generator, gates: Sequence[float] = GATES
+) -> list[ScanView]:
+    """Return the views in poses that agree best; the first stays where it is.
+
+    There is a round for each of ``gates``: points farther from one another are no pair [m].
+    """
     views = list(views)
     if len(views) < 2:
         return views
-    for gate in GATES:
+    for gate in gates:
         views = _round(views, float(gate), random)
+    return views
+
+
+def polished(views: Sequence[ScanView], centre: Array) -> list[ScanView]:
+    """Return the views, each moved once more so that it and those beside it confirm one another.
+
+    ``centre`` is the middle of the object, (2,) [m].
+    """
+    views = list(views)
+    for k, view in enumerate(views):
+        others = sorted(
+            (one for one in views if one is not view),
+            key=lambda one: abs(wrapped(one.pose.yaw - view.pose.yaw)),
+        )[:BESIDE]  # fmt: skip
+        views[k] = view.placed(MutualScore(view, others).improved(view.pose, centre))
     return views
 
 
@@ -42,8 +64,7 @@ def _round(views: list[ScanView], gate: float, random: np.random.Generator) -> l
         few = np.sort(random.permutation(len(points))[:POINTS])
         points, normals = points[few], normals[few]
         for j, other in enumerate(views):
-            turn = (view.pose.yaw - other.pose.yaw + np.pi) % (2.0 * np.pi) - np.pi
-            if i == j or abs(turn) > FAR:
+            if i == j or abs(wrapped(view.pose.yaw - other.pose.yaw)) > FAR:
                 continue
             away, near = trees[j].query(points, distance_upper_bound=2.0 * gate)
             found = np.isfinite(away)

@@ -12,16 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from igrip.perception.scan.mutual_score import MutualScore
 from igrip.perception.scan.planar_pose import PlanarPose, turned_about
-from igrip.perception.scan.scan_view import SPACING, ScanView, agreement
+from igrip.perception.scan.scan_view import SPACING, ScanView
 from igrip.rgbd import Array
 
+MAX_TURN = 75.0  # of a view, from the view before [degrees]
 TURNS = np.radians(np.arange(-60.0, 61.0, 10.0))  # that are tried, from the view before
 FIRST_GATE, LAST_GATE, STEPS = 0.02, 0.005, 12  # of a fit [m]
 SAME_SIDE = 0.6  # cosine of two normals, at least
 BESIDE = 2.0 * SPACING  # so far along the surface the next point is, at most [m]
 FEW = 400  # points of a fit
-COMPARED = 8  # views that a fit is compared with
+COMPARED = 6  # views that a fit is compared with
 UNLIKELY = 0.02  # by which a turn of 30° beside the expected one must be better; guess
 MIN_SCORE = 0.35  # below it a view belongs nowhere; guess
 
@@ -81,21 +83,26 @@ def register(
     if len(view.points) < 50:
         return None
     cloud = cloud_of(views)
-    compared = [views[k] for k in _some(len(views), COMPARED)]
+    mutual = MutualScore(view, [views[k] for k in _some(len(views), COMPARED)])
     last = views[-1]
     # a hand may have shifted it, too
     moved = last.sighting.points[:, :2].mean(axis=0) - view.sighting.points[:, :2].mean(axis=0)
     shift = last.pose.turn(np.append(moved, 0.0)[None])[0]
     start = last.pose.moved(0.0, float(shift[0]), float(shift[1]))
     few = np.sort(random.permutation(len(view.points))[:FEW])
-    best: Registered | None = None
+    found: list[Registered] = []
     for turn in TURNS:
         pose = fit(view, few, cloud, turned_about(start, float(turn), cloud.centre))
-        away = np.degrees(abs(_wrapped(pose.yaw - last.pose.yaw - expected)))
-        score = mutual_score(view.placed(pose), compared) - UNLIKELY * float(away) / 30.0
-        if best is None or score > best.score:
-            best = Registered(pose, score)
-    return best if best is not None and best.score > MIN_SCORE else None
+        turned = np.degrees(wrapped(pose.yaw - last.pose.yaw))
+        if abs(turned) < MAX_TURN:
+            unlikely = abs(turned - np.degrees(expected)) / 30.0
+            found.append(Registered(pose, mutual.of(pose) - UNLIKELY * float(unlikely)))
+    if not found:
+        return None
+    best = max(found, key=lambda one: one.score)
+    pose = mutual.improved(best.pose, cloud.centre)
+    score = mutual.of(pose)
+    return Registered(pose, score) if score > MIN_SCORE else None
 
 
 def fit(view: ScanView, few: Array, cloud: Cloud, pose: PlanarPose) -> PlanarPose:
@@ -135,21 +142,6 @@ def weights(gap: Array, away: Array, gate: float) -> Array:
     return np.where(beside, 0.0, np.clip(1.0 - (gap / gate) ** 2, 0.0, None) ** 2)
 
 
-def mutual_score(view: ScanView, others: Sequence[ScanView]) -> float:
-    """Return how well views confirm one another, at most 1: what is denied counts against it."""
-    confirmed = denied = total = 0.0
-    own, _ = view.in_object
-    own = own[:: max(1, len(own) // 600)]
-    for other in others:
-        theirs, _ = other.in_object
-        theirs = theirs[:: max(1, len(theirs) // 600)]
-        for points, seen_by in ((own, other), (theirs, view)):
-            yes, no = agreement(points, seen_by)
-            confirmed, denied = confirmed + yes, denied + no
-            total += yes + no
-    return (confirmed - denied) / max(total, 1.0)
-
-
 def _some(count: int, most: int) -> list[int]:
     """Return evenly spread numbers of things, the last two among them."""
     if count <= most:
@@ -158,5 +150,6 @@ def _some(count: int, most: int) -> list[int]:
     return sorted({*spread, count - 2})
 
 
-def _wrapped(angle: float) -> float:
+def wrapped(angle: float) -> float:
+    """Return an angle between -pi and pi [rad]."""
     return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

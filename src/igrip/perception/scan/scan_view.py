@@ -29,7 +29,7 @@ class ScanView:
     normals: Array  # (n, 3), outward
     sighting: Sighting
     colour: NDArray[np.uint8]  # (h, w, 3)
-    nearest: Array  # (h, w), least depth about each pixel [m]; infinity: not measured
+    nearest: Array  # (h, w), least depth about each pixel [m]; 0: not measured
     pose: PlanarPose
 
     def placed(self, pose: PlanarPose) -> ScanView:
@@ -53,10 +53,9 @@ def scan_view(
     ahead = camera - points
     cosine = (normals * ahead).sum(axis=1) / np.linalg.norm(ahead, axis=1)
     good = cosine > MIN_COSINE
-    depth = np.where(view.depth > 0.0, view.depth, np.inf).astype(np.float64)
-    return ScanView(
-        points[good], normals[good], sighting, colour, minimum_filter(depth, 3), pose
-    )  # fmt: skip
+    least = minimum_filter(np.where(view.depth > 0.0, view.depth, np.inf), 3)
+    nearest = np.where(view.depth > 0.0, least, 0.0)
+    return ScanView(points[good], normals[good], sighting, colour, nearest, pose)
 
 
 def _points_of(sighting: Sighting, reach: tuple[float, float]) -> Array:
@@ -91,24 +90,3 @@ def _normals(points: Array, view: DepthView) -> Array:
     normals = np.linalg.eigh(np.einsum("nki,nkj->nij", centred, centred))[1][:, :, 0]
     ahead = view.table_from_camera[:3, 3] - points
     return np.asarray(normals * np.sign((normals * ahead).sum(axis=1))[:, None])
-
-
-def agreement(points: Array, other: ScanView) -> tuple[float, float]:
-    """Return how many points of the object (n, 3) another view confirms, by how well, and denies.
-
-    A point is denied that the other view sees through; one that something hides is neither.
-    """
-    view = other.sighting.view
-    table = other.pose.to_table(points)
-    camera = table @ view.camera_from_table[:3, :3].T + view.camera_from_table[:3, 3]
-    pixels = np.round(view.intrinsics.pixels(camera)).astype(np.int64)
-    height, width = other.nearest.shape
-    inside = ((pixels >= 0) & (pixels < (width, height))).all(axis=1)
-    pixels, z = pixels[inside], camera[inside, 2]
-    measured = other.nearest[pixels[:, 1], pixels[:, 0]]
-    limit = view.tolerance + 3.0 * view.noise * z**2
-    gap = measured - z
-    known = np.isfinite(measured)
-    near = known & (np.abs(gap) < limit)
-    confirmed = (1.0 - (gap[near] / limit[near]) ** 2).sum()
-    return float(confirmed), float((known & (gap >= limit)).sum())

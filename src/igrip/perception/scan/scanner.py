@@ -13,16 +13,17 @@ from igrip.perception.registration.table import Table
 from igrip.perception.scan.coverage import degrees_seen
 from igrip.perception.scan.find import NO_TABLE, Sighting, Unseen, find_thing
 from igrip.perception.scan.fuse import fused
-from igrip.perception.scan.joint import joined
+from igrip.perception.scan.joint import joined, polished
 from igrip.perception.scan.options import ScanOptions
 from igrip.perception.scan.planar_pose import PlanarPose
-from igrip.perception.scan.register import register
+from igrip.perception.scan.register import cloud_of, register, wrapped
 from igrip.perception.scan.revolve import views_all_round
 from igrip.perception.scan.scan_view import ScanView, scan_view
 from igrip.perception.scan.stillness import LastMoment, is_same
 from igrip.perception.scan.surface_nets import mesh_of
 from igrip.rgbd import Array, RgbdFrame
 
+AFTER_EACH = (0.006, 0.005, 0.004)  # gates of the rounds after each view [m]
 FULL = 360.0 - 0.5  # degrees
 LOST = "it is not recognised after that turn: turn it back, and on in steps of about 30 degrees"
 UNTURNED = (
@@ -128,7 +129,8 @@ class Scanner:
                 )
             self.views = views
         else:
-            self.views = joined(self.views, self._random)
+            views = joined(self.views, self._random)
+            self.views = polished(views, cloud_of(views).centre)
         mesh = mesh_of(fused(self.views, self.options.cell))
         middle = mesh.bounds.mean(axis=0)
         self.views = [
@@ -189,11 +191,11 @@ class Scanner:
         if found is None:
             self._looked_at, self.problem = sighting, LOST
             return False
-        turn = (found.pose.yaw - self.views[-1].pose.yaw + np.pi) % (2.0 * np.pi) - np.pi
+        turn = wrapped(found.pose.yaw - self.views[-1].pose.yaw)
         if abs(turn) < np.radians(self.options.step):
             self._looked_at, self.problem = sighting, UNTURNED
             return False
-        self._turns.append(float(turn))
-        self.views.append(view.placed(found.pose))
+        self._turns.append(turn)
+        self.views = joined([*self.views, view.placed(found.pose)], self._random, AFTER_EACH)
         self._looked_at, self.problem = None, None
         return True
