@@ -11,7 +11,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from igrip.perception.scan.mutual_score import MutualScore
-from igrip.perception.scan.register import SAME_SIDE, weights, wrapped
+from igrip.perception.scan.planar_pose import wrapped
+from igrip.perception.scan.register import SAME_SIDE, weights
 from igrip.perception.scan.scan_view import ScanView
 from igrip.rgbd import Array
 
@@ -19,7 +20,7 @@ FAR = np.radians(100.0)  # views that are turned by more share too little
 GATES = tuple(np.geomspace(0.012, 0.004, 10))  # of each round [m]
 POINTS = 300  # of a view, in each pair
 BESIDE = 8  # views that one is compared with
-HOLD = 0.02  # of a view where it is, in shares of its points
+HOLD = 0.05  # of a view where it is, and of its yaw where it was, in shares of its points
 
 
 def joined(
@@ -48,7 +49,7 @@ def polished(views: Sequence[ScanView], centre: Array) -> list[ScanView]:
             (one for one in views if one is not view),
             key=lambda one: abs(wrapped(one.pose.yaw - view.pose.yaw)),
         )[:BESIDE]  # fmt: skip
-        views[k] = view.placed(MutualScore(view, others).improved(view.pose, centre))
+        views[k] = view.placed(MutualScore(view, others, view.pose.yaw).improved(view.pose, centre))
     return views
 
 
@@ -77,6 +78,8 @@ def _round(views: list[ScanView], gate: float, random: np.random.Generator) -> l
             _add(A, b, (i, j), (one, two), gap, weight)
     hold = HOLD * np.diag(A).reshape(-1, 3)[:, 1:].mean() + 1e-9
     A[np.diag_indices(n)] += hold * np.tile([spread**2, 1.0, 1.0], len(views))
+    # what is round would slip back, turn by turn
+    b[::3] += hold * spread**2 * np.array([view.pose.yaw - view.registered for view in views])
     A[:3], A[:, :3], b[:3] = 0.0, 0.0, 0.0  # the first stays
     A[:3, :3] = np.eye(3)
     d = np.linalg.solve(A, -b).reshape(-1, 3)

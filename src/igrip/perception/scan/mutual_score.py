@@ -11,20 +11,34 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import minimize
 
-from igrip.perception.scan.planar_pose import PlanarPose, turned_about
+from igrip.perception.scan.planar_pose import PlanarPose, turned_about, wrapped
 from igrip.perception.scan.scan_view import ScanView
 from igrip.rgbd import Array
 
 POINTS = 350  # of each view
 TRY_TURN, TRY_SHIFT = np.radians(3.0), 0.002  # about a pose, to improve it [rad, m]
 TRIES = 60
+UNLIKELY = 0.06  # by which a yaw of 30° beside the expected one must be better; docs/scan.md
 
 
 class MutualScore:
-    """Compares a view with others, which stay where they are."""
+    """Compares a view with others, which stay where they are.
 
-    def __init__(self, view: ScanView, others: Sequence[ScanView]) -> None:
-        self._view, self._others = view, others
+    Parameters
+    ----------
+    view : ScanView
+        Its pose is not used.
+    others : sequence of ScanView
+        In their poses.
+    expected : float or None
+        Yaw that is likelier than others [rad]. What is round looks alike from all sides, and the
+        camera's errors are alike too: so views agree best that were never turned.
+    """
+
+    def __init__(
+        self, view: ScanView, others: Sequence[ScanView], expected: float | None = None
+    ) -> None:
+        self._view, self._others, self._expected = view, others, expected
         self._own = _some(view.points)
         self._theirs = [_some(other.in_object[0]) for other in others]
 
@@ -38,8 +52,15 @@ class MutualScore:
                 confirmed, denied, total = confirmed + yes, denied + no, total + known
         return (confirmed - denied) / max(total, 1.0)
 
+    def likelihood(self, pose: PlanarPose) -> float:
+        """Return the same, less a little for a yaw that is not the expected one."""
+        if self._expected is None:
+            return self.of(pose)
+        off = np.degrees(abs(wrapped(pose.yaw - self._expected)))
+        return self.of(pose) - UNLIKELY * float(off) / 30.0
+
     def improved(self, pose: PlanarPose, centre: Array) -> PlanarPose:
-        """Return a pose near to one with the highest score (Nelder & Mead 1965).
+        """Return a pose near to one that is likeliest (Nelder & Mead 1965).
 
         ``centre`` is the middle of the object, (2,) [m].
         """
@@ -51,10 +72,10 @@ class MutualScore:
 
         simplex = np.vstack([np.zeros(3), np.eye(3)]) - 0.25
         best = minimize(
-            lambda x: -self.of(moved(x)), np.zeros(3), method="Nelder-Mead",
+            lambda x: -self.likelihood(moved(x)), np.zeros(3), method="Nelder-Mead",
             options={"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5},
         )  # fmt: skip
-        return moved(best.x) if -best.fun > self.of(pose) else pose
+        return moved(best.x) if -best.fun > self.likelihood(pose) else pose
 
 
 def _compared(table: Array, other: ScanView) -> tuple[float, float, float]:

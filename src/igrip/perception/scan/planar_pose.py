@@ -50,3 +50,8 @@ def turned_about(pose: PlanarPose, yaw: float, centre: Array) -> PlanarPose:
     """Return a pose, followed by a turn about a point of the object, (2,) [m]."""
     x, y = (float(value) for value in centre[:2])
     return pose.moved(0.0, -x, -y).moved(yaw, x, y)
+
+
+def wrapped(angle: float) -> float:
+    """Return an angle between -pi and pi [rad]."""
+    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

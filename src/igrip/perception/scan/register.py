@@ -13,19 +13,18 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from igrip.perception.scan.mutual_score import MutualScore
-from igrip.perception.scan.planar_pose import PlanarPose, turned_about
+from igrip.perception.scan.planar_pose import PlanarPose, turned_about, wrapped
 from igrip.perception.scan.scan_view import SPACING, ScanView
 from igrip.rgbd import Array
 
-MAX_TURN = 75.0  # of a view, from the view before [degrees]
+MAX_TURN = np.radians(75.0)  # of a view, from the view before
 TURNS = np.radians(np.arange(-60.0, 61.0, 10.0))  # that are tried, from the view before
 FIRST_GATE, LAST_GATE, STEPS = 0.02, 0.005, 12  # of a fit [m]
 SAME_SIDE = 0.6  # cosine of two normals, at least
 BESIDE = 2.0 * SPACING  # so far along the surface the next point is, at most [m]
 FEW = 400  # points of a fit
 COMPARED = 6  # views that a fit is compared with
-UNLIKELY = 0.02  # by which a turn of 30° beside the expected one must be better; guess
-MIN_SCORE = 0.35  # below it a view belongs nowhere; guess
+MIN_SCORE = 0.6  # below it a view belongs nowhere; guess
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +59,7 @@ class Registered:
 
 
 def register(
-    view: ScanView, views: Sequence[ScanView], expected: float, random: np.random.Generator
+    view: ScanView, views: Sequence[ScanView], expected: float | None, random: np.random.Generator
 ) -> Registered | None:
     """Return where a view belongs among others, the last of which came just before it.
 
@@ -70,8 +69,8 @@ def register(
         Its pose is not used.
     views : sequence of ScanView
         In their poses.
-    expected : float
-        Turn since the last of them that is as likely as none [rad].
+    expected : float or None
+        The likeliest turn since the last of them, where any is likelier than others [rad].
     random : Generator
         Chooses points.
 
@@ -83,8 +82,9 @@ def register(
     if len(view.points) < 50:
         return None
     cloud = cloud_of(views)
-    mutual = MutualScore(view, [views[k] for k in _some(len(views), COMPARED)])
     last = views[-1]
+    yaw = None if expected is None else last.pose.yaw + expected
+    mutual = MutualScore(view, [views[k] for k in _some(len(views), COMPARED)], yaw)
     # a hand may have shifted it, too
     moved = last.sighting.points[:, :2].mean(axis=0) - view.sighting.points[:, :2].mean(axis=0)
     shift = last.pose.turn(np.append(moved, 0.0)[None])[0]
@@ -93,10 +93,8 @@ def register(
     found: list[Registered] = []
     for turn in TURNS:
         pose = fit(view, few, cloud, turned_about(start, float(turn), cloud.centre))
-        turned = np.degrees(wrapped(pose.yaw - last.pose.yaw))
-        if abs(turned) < MAX_TURN:
-            unlikely = abs(turned - np.degrees(expected)) / 30.0
-            found.append(Registered(pose, mutual.of(pose) - UNLIKELY * float(unlikely)))
+        if abs(wrapped(pose.yaw - last.pose.yaw)) < MAX_TURN:
+            found.append(Registered(pose, mutual.likelihood(pose)))
     if not found:
         return None
     best = max(found, key=lambda one: one.score)
@@ -148,8 +146,3 @@ def _some(count: int, most: int) -> list[int]:
         return list(range(count))
     spread = np.linspace(0, count - 1, most - 1).round().astype(int).tolist()
     return sorted({*spread, count - 2})
-
-
-def wrapped(angle: float) -> float:
-    """Return an angle between -pi and pi [rad]."""
-    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -31,10 +31,15 @@ class ScanView:
     colour: NDArray[np.uint8]  # (h, w, 3)
     nearest: Array  # (h, w), least depth about each pixel [m]; 0: not measured
     pose: PlanarPose
+    registered: float = 0.0  # yaw, before all views were moved together [rad]
 
     def placed(self, pose: PlanarPose) -> ScanView:
         """Return the view in another pose."""
         return replace(self, pose=pose)
+
+    def registered_at(self, pose: PlanarPose) -> ScanView:
+        """Return the view in the pose in which it was registered."""
+        return replace(self, pose=pose, registered=pose.yaw)
 
     @property
     def in_object(self) -> tuple[Array, Array]:

@@ -15,8 +15,8 @@ from igrip.perception.scan.find import NO_TABLE, Sighting, Unseen, find_thing
 from igrip.perception.scan.fuse import fused
 from igrip.perception.scan.joint import joined, polished
 from igrip.perception.scan.options import ScanOptions
-from igrip.perception.scan.planar_pose import PlanarPose
-from igrip.perception.scan.register import cloud_of, register, wrapped
+from igrip.perception.scan.planar_pose import PlanarPose, wrapped
+from igrip.perception.scan.register import cloud_of, register
 from igrip.perception.scan.revolve import views_all_round
 from igrip.perception.scan.scan_view import ScanView, scan_view
 from igrip.perception.scan.stillness import LastMoment, is_same
@@ -52,12 +52,15 @@ class Scanner:
         In poses of a frame on the table, z up.
     problem : str or None
         Why there is no new view just now, and what to do; None: nothing is wrong.
+    camera : str
+        Name of the camera.
     """
 
     def __init__(self, options: ScanOptions, round_thing: bool = False) -> None:
         self.options, self._round = options, round_thing
         self.views: list[ScanView] = []
         self.problem: str | None = None
+        self.camera = ""
         self._table = Table()
         self._moment = LastMoment(options.settle)
         self._random = np.random.default_rng(options.seed)
@@ -89,6 +92,7 @@ class Scanner:
         """
         if frame.depth is None:
             raise ScanError("a scan needs a camera with depth, such as oak or realsense")
+        self.camera = frame.camera
         new = self._add(frame, hands)
         if new or self._progress is None:
             self._progress = frame.t
@@ -186,16 +190,17 @@ class Scanner:
         return True
 
     def _next(self, view: ScanView, sighting: Sighting) -> bool:
-        expected = float(np.median(self._turns[-5:])) if self._turns else 0.0
+        expected = float(np.median(self._turns[-5:])) if self._turns else None
         found = register(view, self.views, expected, self._random)
         if found is None:
-            self._looked_at, self.problem = sighting, LOST
+            self._looked_at = sighting
+            self.problem = LOST if self._moment.still else None
             return False
         turn = wrapped(found.pose.yaw - self.views[-1].pose.yaw)
         if abs(turn) < np.radians(self.options.step):
             self._looked_at, self.problem = sighting, UNTURNED
             return False
         self._turns.append(turn)
-        self.views = joined([*self.views, view.placed(found.pose)], self._random, AFTER_EACH)
+        self.views = joined([*self.views, view.registered_at(found.pose)], self._random, AFTER_EACH)
         self._looked_at, self.problem = None, None
         return True

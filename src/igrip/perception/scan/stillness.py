@@ -19,11 +19,12 @@ MIN_FRAMES = 4  # of an average
 class LastMoment:
     """The sightings of the last moment, for as long as no hand was at the thing.
 
-    ``settle`` is how long a moment is [s].
+    ``settle`` is how long a moment is [s]; ``still``, whether it stood still for so long.
     """
 
     def __init__(self, settle: float) -> None:
         self._settle = settle
+        self.still = False
         self._kept: deque[tuple[float, Sighting]] = deque()
         self._whole = False  # whether a whole moment went by
 
@@ -44,7 +45,8 @@ class LastMoment:
         if len(self._kept) < MIN_FRAMES or not self._whole:
             return None
         newest = self._kept[-1][1]
-        if not is_same(self._kept[0][1], newest):
+        self.still = is_same(self._kept[0][1], newest)
+        if not self.still:
             return newest  # it turns by itself
         depth = average([sighting.view.depth for _, sighting in self._kept], newest.view.noise)
         return replace(newest, view=newest.view._replace(depth=depth))
