@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
@@ -87,8 +88,8 @@ def scan(
         load_objects(out)[name]
     sides = " × ".join(f"{1e3 * edge:.0f}" for edge in size)
     output.print(f"{path}: {sides} mm, {about['views']} views, {about['triangles']} triangles")
-    output.print(f"igrip live --camera {camera} --objects {out} --model {name} --poses depth",
-                 soft_wrap=True)  # fmt: skip
+    live = ["igrip", "live", "--camera", camera, "--objects", str(out), "--model", name]
+    output.print(shlex.join([*live, "--poses", "depth"]), soft_wrap=True)
 
 
 def _gather(camera: Camera, detector: HandDetector | None, scanner: Scanner) -> None:

@@ -21,6 +21,8 @@ from igrip.perception.opencv import load_opencv
 
 NAME = re.compile(r"[^\W_][\w.-]*")
 
+BARE = re.compile(r"[A-Za-z0-9_-]+")  # what TOML takes for a key without quotes
+
 
 class Scan(NamedTuple):
     """What a scan made."""
@@ -68,7 +70,8 @@ def write_entry(folder: Path, name: str, scan: Scan) -> Path:
     if written:
         (folder / f"{name}.png").write_bytes(data.tobytes())
     write_whole(folder / f"{name}.json", json.dumps(scan.about, indent=2) + "\n")
-    table = f'[{json.dumps(name)}]\nfile = {json.dumps(path.name)}\nunit = "m"\n'
+    key = name if BARE.fullmatch(name) else json.dumps(name)
+    table = f'[{key}]\nfile = {json.dumps(path.name)}\nunit = "m"\n'
     if scan.round_thing:
         table += 'symmetry = "cylinder"\naxis = [0.0, 0.0, 1.0]\n'
     others = _without(folder / TABLE, name)

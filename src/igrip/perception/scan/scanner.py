@@ -21,6 +21,7 @@ from igrip.perception.scan.revolve import views_all_round
 from igrip.perception.scan.scan_view import ScanView, scan_view
 from igrip.perception.scan.stillness import LastMoment, is_same
 from igrip.perception.scan.surface_nets import mesh_of
+from igrip.perception.transforms import inverse, rigid
 from igrip.rgbd import Array, RgbdFrame
 
 AFTER_EACH = (0.006, 0.005, 0.004)  # gates of the rounds after each view [m]
@@ -143,6 +144,13 @@ class Scanner:
         ]
         mesh.apply_translation([-middle[0], -middle[1], -mesh.bounds[0, 2]])
         return mesh
+
+    def first_pose(self) -> Array:
+        """Return where the thing stood in the first view: world-from-mesh, (4, 4)."""
+        view = self.views[0]
+        object_from_table = rigid(view.pose.rotation, view.pose.shift)
+        stood = rigid(np.eye(3), (0.0, 0.0, self.options.stand))
+        return np.asarray(self._table.world_from_table @ stood @ inverse(object_from_table))
 
     def picture(self) -> NDArray[np.uint8]:
         """Return the thing as the first view shows it, cropped to it, (h, w, 3)."""
