@@ -167,9 +167,7 @@ class Scanner:
         if self._table.change is not None and self.views:
             raise ScanError("the camera or the table has moved: leave both as they are, scan again")
         options = self.options
-        found = find_thing(
-            frame, self._table.plane, hands, reach, options.stand, options.tolerance
-        )
+        found = find_thing(frame, self._table.plane, hands, reach, options.stand, options.tolerance)
         if isinstance(found, Unseen):
             self._moment.clear()
             self.problem = found.problem

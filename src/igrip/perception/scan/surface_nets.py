@@ -23,9 +23,7 @@ def mesh_of(body: Body) -> trimesh.Trimesh:
     """Return the surface of a body, closed, its normals outward, in the frame of the object [m]."""
     values = body.values
     shape = tuple(n - 1 for n in values.shape)
-    corners = [
-        values[i : i + shape[0], j : j + shape[1], k : k + shape[2]] for i, j, k in CORNERS
-    ]
+    corners = [values[i : i + shape[0], j : j + shape[1], k : k + shape[2]] for i, j, k in CORNERS]
     inside = np.stack([corner < 0.0 for corner in corners])
     crossed = inside.any(axis=0) & ~inside.all(axis=0)
     cells = np.argwhere(crossed)
