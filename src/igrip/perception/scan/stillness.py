@@ -13,6 +13,7 @@ from igrip.perception.scan.find import Sighting
 
 JUMP = 0.012  # between two depths of a pixel, where the edge of something has moved [m]; guess
 MAX_MOVED = 0.004  # share of such pixels, those that flicker apart, of a thing at rest; guess
+PAUSE = 4.0  # moments without a frame, after which another one begins
 MIN_FRAMES = 4  # of an average
 
 
@@ -35,6 +36,8 @@ class LastMoment:
 
     def add(self, t: float, sighting: Sighting) -> None:
         """Take a sighting of time ``t`` [s]."""
+        if self._kept and t - self._kept[-1][0] > PAUSE * self._settle:
+            self.clear()
         self._kept.append((t, sighting))
         while len(self._kept) > MIN_FRAMES and t - self._kept[0][0] > self._settle:
             self._kept.popleft()
