@@ -10,13 +10,16 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
+from igrip.entities import ObjectPose
 from igrip.lab.rendering.layout import PlacedMesh, look_at
 from igrip.lab.rendering.scene import RenderedScene
 from igrip.objects.catalog import Catalog, load_objects
@@ -85,7 +88,7 @@ def found_again(catalog: Catalog, name: str, model: ObjectModel, mesh_from_model
     scene = RenderedScene({"thing": placed, "beside": beside}, camera)
     estimator = DepthPoses(catalog, {"models": [name]})
     random = np.random.default_rng(1)
-    poses = {}
+    poses: Mapping[str, ObjectPose | None] = {}
     for k in range(4):
         poses = estimator.estimate(scene.frame(0.6 * k, random))
     pose = poses.get(name)
@@ -93,13 +96,7 @@ def found_again(catalog: Catalog, name: str, model: ObjectModel, mesh_from_model
         return float("inf")
     true = placed.pose @ inverse(mesh_from_model)
     middle = catalog[name].sphere[:3]
-    x, y, z, w = pose.orientation
-    rotation = np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
-    got = rotation @ middle + np.array(pose.position)
+    got = Rotation.from_quat(pose.orientation).apply(middle) + np.array(pose.position)
     return float(np.linalg.norm(got - (true[:3, :3] @ middle + true[:3, 3])))
 
 
@@ -128,8 +125,9 @@ def main() -> None:
         a, b = 1e3 * result.to_true, 1e3 * result.to_scanned
         off = 100.0 * float(np.abs(result.size - 1.0).max())
         print(
-            f"{name:7s} {len(scanner.views):5d}  {np.median(a):5.2f} mm, {np.percentile(a, 95):5.2f}"
-            f" mm      {np.median(b):5.2f} mm, {np.percentile(b, 95):5.2f} mm         {off:4.1f} %"
+            f"{name:7s} {1 if name in ROUND else len(scanner.views):5d}  {np.median(a):5.2f} mm, "
+            f"{np.percentile(a, 95):5.2f} mm      {np.median(b):5.2f} mm, "
+            f"{np.percentile(b, 95):5.2f} mm         {off:4.1f} %"
             f"  {1e3 * away:5.1f} mm  {seconds:4.0f} s",
             flush=True,
         )

@@ -333,8 +333,8 @@ def interrupt(*_, **__):
 def test_ctrl_c_before_anything_was_done(folder, monkeypatch, command):
     module = importlib.import_module(target_of(command)[0])
     first = {
-        "calibrate": "open_camera", "record": "open_camera", "scan": "open_camera", "drive": "open_source",
-        "export": "progress",
+        "calibrate": "open_camera", "record": "open_camera", "scan": "open_camera",
+        "drive": "open_source", "export": "progress",
     }.get(command, "load_objects")  # fmt: skip
     opener = module
     if not hasattr(module, first):  # the evaluation loads them itself

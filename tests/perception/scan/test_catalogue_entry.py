@@ -60,7 +60,7 @@ def test_other_entries_stay_and_a_replaced_one_goes(tmp_path):
 
 @pytest.mark.parametrize("name", ["", "a b", "../up", "none", "defaults", ".hidden", "025_mug"])
 def test_what_cannot_be_a_name_is_refused(tmp_path, name):
-    with pytest.raises(IgripError, match="cannot be a name|choose another name"):
+    with pytest.raises(IgripError, match=r"cannot be a name|choose another name"):
         check_name(tmp_path, name, replace=False)
 
 

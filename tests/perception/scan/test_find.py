@@ -1,4 +1,4 @@
-"""What stands on the table: nothing, one thing, several, one at the picture's edge, a hand at it."""
+"""What stands on the table: nothing, one, several, one at the picture's edge, a hand at it."""
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from standing import CAMERA, standing
 
 BOX = build_model("plain box", trimesh.creation.box((0.12, 0.06, 0.1)))
 CAN = build_model("plain can", trimesh.creation.cylinder(0.035, 0.11, sections=64))
+DISC = build_model("plain disc", trimesh.creation.cylinder(0.1, 0.025, sections=64))
 REACH = (0.2, 1.5)
 
 
@@ -55,6 +56,13 @@ def test_a_hand_at_the_thing_is_no_problem_but_nothing_is_seen():
     assert seen(standing(BOX, 0.0, 0.0), hand=(x + 30, y)) == Unseen(None)
 
 
-def test_what_is_lower_than_the_stand_is_left_out():
-    found = seen(standing(BOX, 0.0, 0.0), stand=0.03)
-    assert isinstance(found, Sighting) or found.problem is not None
+def test_a_turntable_is_left_out():
+    disc = standing(DISC, 0.0, 0.0)
+    box = standing(BOX, 0.0, 0.0)
+    box.pose[2, 3] += 0.025
+    alone = seen(disc, box, stand=0.025)
+    assert isinstance(alone, Sighting)
+    assert np.ptp(alone.points[:, :2], axis=0).max() < 0.14
+    assert np.percentile(alone.points[:, 2], 98) == pytest.approx(0.1, abs=0.008)
+    with_disc = seen(disc, box)
+    assert np.ptp(with_disc.points[:, :2], axis=0).max() > 0.17

@@ -30,6 +30,10 @@ def stills(count, *placed, every=0.1, start=0.0):
         yield scene.frame(start + every * k, random)
 
 
+def gather(scanner, frames):
+    return sum(scanner.add(frame) for frame in frames)
+
+
 def at(model, yaw=0.4, x=0.0, y=0.0):
     return PlacedMesh(model, standing(model, yaw, np.array([x, y])))
 
@@ -97,8 +101,7 @@ def test_a_round_thing_needs_one_view():
 
 def test_what_is_not_round_is_not_scanned_as_if_it_were():
     scanner = Scanner(ScanOptions(), round_thing=True)
-    for frame in stills(8, at(BOX)):
-        scanner.add(frame)
+    gather(scanner, stills(8, at(BOX)))
     with pytest.raises(ScanError, match="without --round"):
         scanner.mesh()
 
@@ -110,16 +113,14 @@ def test_what_is_not_round_is_not_scanned_as_if_it_were():
 def test_what_is_wrong_is_told_with_the_way_out(placed, words):
     scanner = Scanner(ScanOptions(patience=1.0))
     with pytest.raises(ScanError, match=f"nothing new for 1 s: {words}"):
-        for frame in stills(20, *placed, every=0.2):
-            assert not scanner.add(frame)
+        gather(scanner, stills(20, *placed, every=0.2))
     with pytest.raises(ScanError, match=words):
         scanner.mesh()
 
 
 def test_a_thing_that_is_not_turned_is_told_to_be():
     scanner = Scanner(ScanOptions())
-    views = sum(scanner.add(frame) for frame in stills(12, at(BOX)))
-    assert views == 1
+    assert gather(scanner, stills(12, at(BOX))) == 1
     assert scanner.problem == UNTURNED
     assert scanner.degrees == 60.0
     with pytest.raises(ScanError, match="turn it on, by about 30 degrees"):
@@ -129,11 +130,10 @@ def test_a_thing_that_is_not_turned_is_told_to_be():
 def test_a_part_of_a_turn_is_too_little():
     scanner = Scanner(ScanOptions())
     for k in range(3):
-        for frame in stills(6, at(BOX, 0.4 + k * np.radians(30.0)), start=3.0 * k):
-            scanner.add(frame)
+        gather(scanner, stills(6, at(BOX, 0.4 + k * np.radians(30.0)), start=3.0 * k))
     assert len(scanner.views) == 3
     assert scanner.degrees == pytest.approx(120.0, abs=3.0)
-    with pytest.raises(ScanError, match="only 1[12][0-9] of 360 degrees were seen: turn it on"):
+    with pytest.raises(ScanError, match=r"only 1[12][0-9] of 360 degrees were seen: turn it on"):
         scanner.mesh()
 
 

@@ -101,4 +101,4 @@ def _is_near(one: Segment, other: Segment) -> bool:
     if one.cluster == other.cluster:
         return True
     away, _ = cKDTree(other.points).query(one.points, distance_upper_bound=APART)
-    return bool((away < APART).any())
+    return bool(np.min(away) < APART)

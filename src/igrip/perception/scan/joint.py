@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from igrip.perception.scan.mutual_score import MutualScore
 from igrip.perception.scan.planar_pose import wrapped
 from igrip.perception.scan.register import SAME_SIDE, weights
-from igrip.perception.scan.scan_view import ScanView
+from igrip.perception.scan.scan_view import ScanView, nearest
 from igrip.rgbd import Array
 
 FAR = np.radians(100.0)  # views that are turned by more share too little
@@ -67,7 +67,7 @@ def _round(views: list[ScanView], gate: float, random: np.random.Generator) -> l
         for j, other in enumerate(views):
             if i == j or abs(wrapped(view.pose.yaw - other.pose.yaw)) > FAR:
                 continue
-            away, near = trees[j].query(points, distance_upper_bound=2.0 * gate)
+            away, near = nearest(trees[j], points, 2.0 * gate)
             found = np.isfinite(away)
             q, m = placed[j][0][near[found]], placed[j][1][near[found]]
             p = points[found]

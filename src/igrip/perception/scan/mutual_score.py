@@ -7,6 +7,7 @@ does.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -71,10 +72,10 @@ class MutualScore:
             return turned_about(pose, turn, centre).moved(0.0, *shift)
 
         simplex = np.vstack([np.zeros(3), np.eye(3)]) - 0.25
-        best = minimize(
-            lambda x: -self.likelihood(moved(x)), np.zeros(3), method="Nelder-Mead",
-            options={"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5},
-        )  # fmt: skip
+        options: Any = {"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5}
+        best: Any = minimize(
+            lambda x: -self.likelihood(moved(x)), np.zeros(3), method="Nelder-Mead", options=options
+        )
         return moved(best.x) if -best.fun > self.likelihood(pose) else pose
 
 

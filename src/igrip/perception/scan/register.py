@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from igrip.perception.scan.mutual_score import MutualScore
 from igrip.perception.scan.planar_pose import PlanarPose, turned_about, wrapped
-from igrip.perception.scan.scan_view import SPACING, ScanView
+from igrip.perception.scan.scan_view import SPACING, ScanView, nearest
 from igrip.rgbd import Array
 
 MAX_TURN = np.radians(75.0)  # of a view, from the view before
@@ -103,13 +104,13 @@ def register(
     return Registered(pose, score) if score > MIN_SCORE else None
 
 
-def fit(view: ScanView, few: Array, cloud: Cloud, pose: PlanarPose) -> PlanarPose:
+def fit(view: ScanView, few: NDArray[np.int64], cloud: Cloud, pose: PlanarPose) -> PlanarPose:
     """Return a pose, moved until some points of a view lie on a cloud."""
     centre = cloud.centre
     for step in range(STEPS):
         gate = FIRST_GATE * (LAST_GATE / FIRST_GATE) ** (step / (STEPS - 1))
         points, normals = pose.apply(view.points[few]), pose.turn(view.normals[few])
-        away, near = cloud.tree.query(points, distance_upper_bound=2.0 * gate)
+        away, near = nearest(cloud.tree, points, 2.0 * gate)
         found = np.isfinite(away)
         found[found] &= (normals[found] * cloud.normals[near[found]]).sum(axis=1) > SAME_SIDE
         if found.sum() < 20:

@@ -72,8 +72,17 @@ def _points_of(sighting: Sighting, reach: tuple[float, float]) -> Array:
     lowest = max(LOWEST, 2.0 * view.noise * float(np.median(points[:, 2])) ** 2)
     inside = ((table > low) & (table < high))[:, :2].all(axis=1) & (table[:, 2] > lowest)
     table = table[inside & (table[:, 2] < high[2])]
-    away, _ = cKDTree(sighting.points).query(table, distance_upper_bound=BESIDE)
+    away, _ = nearest(cKDTree(sighting.points), table, BESIDE)
     return thinned(table[np.isfinite(away)], SPACING)
+
+
+def nearest(tree: cKDTree, points: Array, bound: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return how far the nearest points of a tree are, (n,) [m], and which they are, (n,).
+
+    Infinity: none is within ``bound`` [m].
+    """
+    away, number = tree.query(points, distance_upper_bound=bound)
+    return np.asarray(away, dtype=np.float64), np.asarray(number, dtype=np.int64)
 
 
 def thinned(points: Array, spacing: float) -> Array:

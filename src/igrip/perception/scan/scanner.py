@@ -25,6 +25,7 @@ from igrip.perception.transforms import inverse, rigid
 from igrip.rgbd import Array, RgbdFrame
 
 AFTER_EACH = (0.006, 0.005, 0.004)  # gates of the rounds after each view [m]
+WAIT = 0.3  # s between two looks at a thing that moves: each takes a while
 FULL = 360.0 - 0.5  # degrees
 LOST = "it is not recognised after that turn: turn it back, and on in steps of about 30 degrees"
 UNTURNED = (
@@ -66,6 +67,7 @@ class Scanner:
         self._moment = LastMoment(options.settle)
         self._random = np.random.default_rng(options.seed)
         self._looked_at: Sighting | None = None  # and belonged nowhere
+        self._tried = float("-inf")  # when a view was looked at [s]
         self._turns: list[float] = []  # between views [rad]
         self._progress: float | None = None  # when there was any, or none was due [s]
 
@@ -176,6 +178,9 @@ class Scanner:
         best = self._moment.best()
         if best is None or self._is_known(best):
             return False
+        if not self._moment.still and frame.t - self._tried < WAIT:
+            return False
+        self._tried = frame.t
         view = scan_view(best, frame.colour, reach, PlanarPose(0.0, 0.0, 0.0))
         return self._first(view) if not self.views else self._next(view, best)
 

@@ -61,7 +61,7 @@ def is_same(one: Sighting, other: Sighting) -> bool:
     a, b = one.view.depth[rows, columns], other.view.depth[rows, columns]
     measured = (a > 0.0) & (b > 0.0)
     limit = JUMP + 3.0 * other.view.noise * b**2
-    moved = binary_opening(measured & (np.abs(b - a) > limit), np.ones((3, 3)))
+    moved = binary_opening(measured & (np.abs(b - a) > limit), np.ones((3, 3), dtype=np.bool_))
     return bool(moved.mean() < MAX_MOVED)
 
 
