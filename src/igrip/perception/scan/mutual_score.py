@@ -19,7 +19,8 @@ from igrip.rgbd import Array
 POINTS = 350  # of each view
 TRY_TURN, TRY_SHIFT = np.radians(3.0), 0.002  # about a pose, to improve it [rad, m]
 TRIES = 60
-UNLIKELY = 0.06  # by which a yaw of 30° beside the expected one must be better; docs/scan.md
+UNLIKELY = 0.1  # by which a yaw of 30° beside the expected one must be better; docs/scan.md
+MOST_UNLIKELY = 25.0  # degrees beside it, from which on all are as unlikely
 
 
 class MutualScore:
@@ -57,8 +58,8 @@ class MutualScore:
         """Return the same, less a little for a yaw that is not the expected one."""
         if self._expected is None:
             return self.of(pose)
-        off = np.degrees(abs(wrapped(pose.yaw - self._expected)))
-        return self.of(pose) - UNLIKELY * float(off) / 30.0
+        off = float(np.degrees(abs(wrapped(pose.yaw - self._expected))))
+        return self.of(pose) - UNLIKELY * min(off, MOST_UNLIKELY) / 30.0
 
     def improved(self, pose: PlanarPose, centre: Array) -> PlanarPose:
         """Return a pose near to one that is likeliest (Nelder & Mead 1965).
@@ -72,10 +73,11 @@ class MutualScore:
             return turned_about(pose, turn, centre).moved(0.0, *shift)
 
         simplex = np.vstack([np.zeros(3), np.eye(3)]) - 0.25
-        options: Any = {"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5}
-        best: Any = minimize(
-            lambda x: -self.likelihood(moved(x)), np.zeros(3), method="Nelder-Mead", options=options
-        )
+        how: Any = {
+            "method": "Nelder-Mead",
+            "options": {"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5},
+        }
+        best = minimize(lambda x: -self.likelihood(moved(x)), np.zeros(3), **how)
         return moved(best.x) if -best.fun > self.likelihood(pose) else pose
 
 

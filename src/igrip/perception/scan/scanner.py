@@ -26,6 +26,7 @@ from igrip.rgbd import Array, RgbdFrame
 
 AFTER_EACH = (0.006, 0.005, 0.004)  # gates of the rounds after each view [m]
 WAIT = 0.3  # s between two looks at a thing that moves: each takes a while
+ASKED = np.radians(30.0)  # turn, of a user
 FULL = 360.0 - 0.5  # degrees
 LOST = "it is not recognised after that turn: turn it back, and on in steps of about 30 degrees"
 UNTURNED = (
@@ -68,6 +69,7 @@ class Scanner:
         self._random = np.random.default_rng(options.seed)
         self._looked_at: Sighting | None = None  # and belonged nowhere
         self._tried = float("-inf")  # when a view was looked at [s]
+        self._touched = False  # whether a hand may have turned it since the last look
         self._turns: list[float] = []  # between views [rad]
         self._progress: float | None = None  # when there was any, or none was due [s]
 
@@ -172,10 +174,13 @@ class Scanner:
         found = find_thing(frame, self._table.plane, hands, reach, options.stand, options.tolerance)
         if isinstance(found, Unseen):
             self._moment.clear()
+            self._touched = self._touched or found.problem is None
             self.problem = found.problem
             return False
         self._moment.add(frame.t, found)
+        self._touched = self._touched or self._moment.began
         best = self._moment.best()
+        self._touched = self._touched or not self._moment.still
         if best is None or self._is_known(best):
             return False
         if not self._moment.still and frame.t - self._tried < WAIT:
@@ -188,10 +193,19 @@ class Scanner:
         """Whether it looks as when it was looked at last."""
         if self._looked_at is not None and is_same(self._looked_at, sighting):
             return True
-        if self.views and is_same(self.views[-1].sighting, sighting):
+        # what is round may look the same although a hand has turned it
+        if self.views and not self._touched and is_same(self.views[-1].sighting, sighting):
             self.problem = UNTURNED
             return True
         return False
+
+    def _expected(self) -> float | None:
+        """Return the likeliest next turn [rad]; None: it was not turned yet."""
+        if not self._turns:
+            return None
+        usual = float(np.median(self._turns[-5:]))
+        # what is round seems to turn less than it does: then what the user was asked to do counts
+        return float(np.copysign(ASKED, usual)) if self._moment.still else usual
 
     def _first(self, view: ScanView) -> bool:
         low, high = view.points[:, :2].min(axis=0), view.points[:, :2].max(axis=0)
@@ -201,8 +215,8 @@ class Scanner:
         return True
 
     def _next(self, view: ScanView, sighting: Sighting) -> bool:
-        expected = float(np.median(self._turns[-5:])) if self._turns else None
-        found = register(view, self.views, expected, self._random)
+        found = register(view, self.views, self._expected(), self._random)
+        self._touched = self._touched and not self._moment.still
         if found is None:
             self._looked_at = sighting
             self.problem = LOST if self._moment.still else None

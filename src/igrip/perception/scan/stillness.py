@@ -20,12 +20,14 @@ MIN_FRAMES = 4  # of an average
 class LastMoment:
     """The sightings of the last moment, for as long as no hand was at the thing.
 
-    ``settle`` is how long a moment is [s]; ``still``, whether it stood still for so long.
+    ``settle`` is how long a moment is [s]; ``still`` is whether it stood still for so long, ``began``
+    whether the newest sighting is the first of its moment.
     """
 
     def __init__(self, settle: float) -> None:
         self._settle = settle
-        self.still = False
+        self.still = True
+        self.began = False
         self._kept: deque[tuple[float, Sighting]] = deque()
         self._whole = False  # whether a whole moment went by
 
@@ -38,6 +40,7 @@ class LastMoment:
         """Take a sighting of time ``t`` [s]."""
         if self._kept and t - self._kept[-1][0] > PAUSE * self._settle:
             self.clear()
+        self.began = not self._kept
         self._kept.append((t, sighting))
         while len(self._kept) > MIN_FRAMES and t - self._kept[0][0] > self._settle:
             self._kept.popleft()
