@@ -20,8 +20,8 @@ MIN_FRAMES = 4  # of an average
 class LastMoment:
     """The sightings of the last moment, for as long as no hand was at the thing.
 
-    ``settle`` is how long a moment is [s]; ``still`` is whether it stood still for so long, ``began``
-    whether the newest sighting is the first of its moment.
+    ``settle`` is how long a moment is [s]; ``still`` is whether it stood still for so long,
+    ``began`` whether the newest sighting is the first of its moment.
     """
 
     def __init__(self, settle: float) -> None:
