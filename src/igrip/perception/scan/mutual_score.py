@@ -72,12 +72,12 @@ class MutualScore:
             turn, *shift = (float(value) for value in x * steps)
             return turned_about(pose, turn, centre).moved(0.0, *shift)
 
+        def unlikelihood(x: Array) -> float:
+            return -self.likelihood(moved(x))
+
         simplex = np.vstack([np.zeros(3), np.eye(3)]) - 0.25
-        how: Any = {
-            "method": "Nelder-Mead",
-            "options": {"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5},
-        }
-        best = minimize(lambda x: -self.likelihood(moved(x)), np.zeros(3), **how)
+        how: Any = {"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.02, "fatol": 1e-5}
+        best = minimize(unlikelihood, np.zeros(3), method="Nelder-Mead", options=how)
         return moved(best.x) if -best.fun > self.likelihood(pose) else pose
 
 
