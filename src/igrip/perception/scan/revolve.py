@@ -11,6 +11,7 @@ from igrip.rgbd import Array
 SIDES = 36  # views all round
 BAND = 0.003  # heights in which radii are compared [m]
 MAX_SPREAD = 0.0025  # root mean square of radii at one height, besides noise [m]; guess
+MIN_ARC = np.radians(100.0)  # of its side that one view shows, at least; guess
 UPRIGHT = 0.5  # cosine between normal and table, of points on a side
 
 
@@ -25,6 +26,8 @@ def views_all_round(view: ScanView) -> list[ScanView] | None:
         residual, slope = _spread(points, axis)
         axis = axis - np.linalg.lstsq(slope, residual, rcond=None)[0]
     residual, _ = _spread(points, axis)
+    if _arc(points, axis) < MIN_ARC:  # a flat side is round about an axis far away
+        return None
     noise = view.sighting.view.noise * float(np.median(view.sighting.view.depth)) ** 2
     if float(np.sqrt((residual**2).mean())) > MAX_SPREAD + noise:
         return None
@@ -45,6 +48,14 @@ def _crossing(points: Array, normals: Array) -> Array:
         off = wanted - across @ axis
         weight = 1.0 / np.sqrt(1.0 + (off / 0.005) ** 2)
     return np.asarray(axis)
+
+
+def _arc(points: Array, axis: Array) -> float:
+    """Return which angle points (n, 3) span about a vertical axis at (2,) [rad]."""
+    away = points[:, :2] - axis
+    angles = np.sort(np.arctan2(away[:, 1], away[:, 0]))
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+    return float(2.0 * np.pi - gaps.max())
 
 
 def _spread(points: Array, axis: Array) -> tuple[Array, Array]:
