@@ -59,6 +59,7 @@ ARGUMENTS = {
     "live": ["--camera", "rendered", "--hands", "none", "--poses", "none", "--headless"],
     "record": ["--out", "frames.mcap", "--camera", "rendered"],
     "replay": ["small/recordings/reach0.jsonl", "--objects", MESH, "--targets", "distance"],
+    "scan": ["cup", "--camera", "rendered"],
     "schema": ["observation"],
     "simulate": ["cohort", "--participants", "1", "--trials", "1", "--no-reach", "0"],
     "stream": ["--in", "stdin", "--out", "stdout"],
@@ -119,7 +120,7 @@ FILES = [
 ]  # fmt: skip
 FOLDERS = [
     ("benchmark", "--out"), ("certify", "--out"), ("evaluate", "--out"), ("import", "--out"),
-    ("simulate", None),
+    ("scan", "--out"), ("simulate", None),
 ]  # fmt: skip
 
 
@@ -332,8 +333,8 @@ def interrupt(*_, **__):
 def test_ctrl_c_before_anything_was_done(folder, monkeypatch, command):
     module = importlib.import_module(target_of(command)[0])
     first = {
-        "calibrate": "open_camera", "record": "open_camera", "drive": "open_source",
-        "export": "progress",
+        "calibrate": "open_camera", "record": "open_camera", "scan": "open_camera",
+        "drive": "open_source", "export": "progress",
     }.get(command, "load_objects")  # fmt: skip
     opener = module
     if not hasattr(module, first):  # the evaluation loads them itself

@@ -33,6 +33,7 @@ COMMANDS = {
     "experiment": "Run a study with people: plan, screens, recordings, and a dataset for igrip "
     "evaluate.",
     "record": "Record colour, depth and intrinsics of cameras.",
+    "scan": "Make a model of your own thing from turning it before a camera with depth.",
     "calibrate": "Find where cameras stand from a board of AprilTags that lies still where all of "
     "them see it.",
     "import": "Turn motion-capture tables into a dataset.",

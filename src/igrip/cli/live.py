@@ -24,7 +24,7 @@ from igrip.estimator import Estimator
 from igrip.intention import Intention
 from igrip.io.person_file import PersonFile
 from igrip.io.recordings import open_writer
-from igrip.objects.catalog import PAPER_OBJECTS, load_objects
+from igrip.objects.catalog import PAPER_OBJECTS, Catalog, load_objects
 from igrip.objects.mesh_writer import models_beside, write_models
 from igrip.perception.cameras import Camera, open_camera, split_names
 from igrip.perception.options import parse_options
@@ -37,6 +37,7 @@ from igrip.runtime.options import HANDS, Options
 from igrip.runtime.outputs import OUTPUTS
 from igrip.runtime.stream_input import StreamInput
 from igrip.viewer.camera_panel import CameraPanel
+from igrip.viewer.naming_panel import NamingPanel
 from igrip.viewer.overlay import CameraView
 from igrip.viewer.server import Viewer
 from igrip.viewer.snapshot import take_snapshot
@@ -177,7 +178,7 @@ def live(
         if record is not None:
             stack.callback(lambda: write_models(models_beside(record), known.put_models))
         with until_interrupted():
-            _run(loop, pipeline, viewer, seconds, problems, kept, quiet=as_json)
+            _run(loop, pipeline, known, viewer, seconds, problems, kept, quiet=as_json)
     report = loop.status()
     if as_json:
         print_json(report)
@@ -232,11 +233,12 @@ def _check(camera: str, calibration: Path | None) -> int:
 
 
 def _run(
-    loop: Loop, pipeline: Pipeline, viewer: Viewer | None, seconds: float | None,
+    loop: Loop, pipeline: Pipeline, known: Catalog, viewer: Viewer | None, seconds: float | None,
     problems: ProblemPrinter, kept: PersonFile | None, quiet: bool,
 ) -> None:  # fmt: skip
     """Run the loop; show its results after each update, without blocking it."""
     panel = None if viewer is None else CameraPanel(viewer)
+    naming = None if viewer is None else NamingPanel(viewer, pipeline.give_name)
     screen = Live(console=errors, refresh_per_second=4, transient=True)
     begin = due = time.monotonic()
 
@@ -249,6 +251,9 @@ def _run(
         newest = list(estimator.latest.values())
         if viewer is not None and panel is not None:
             viewer.show(take_snapshot(estimator))
+            if naming is not None:
+                unknown = known.put_models
+                naming.set_things([o.id for o in estimator.objects if o.model.name in unknown])
             panel.show({
                 camera: CameraView(found.frame, found.landmarks, estimator.objects, newest)
                 for camera, found in pipeline.latest_hands().items()

@@ -168,3 +168,28 @@ def test_every_hand_that_is_seen_covers_what_is_behind_it_but_not_for_long():
     assert things.covers == [2, 0, 0]
     hand = HandStage(Detector([100.0, 100.0]), new_ids())
     assert len(hand(frame(0.0, depth=None)).all_landmarks) == 1  # neither measured nor named
+
+
+class Named:
+    """A pose estimator that keeps the names it is given."""
+
+    def __init__(self):
+        self.given = []
+
+    def estimate(self, frame, hands=()):
+        return {}
+
+    def give_name(self, id, name):
+        self.given.append((id, name))
+
+    def close(self):
+        pass
+
+
+def test_a_name_reaches_the_pose_estimator_if_it_takes_names():
+    named = Named()
+    ObjectStage(named, CrossCameraVisibility()).give_name("object_1", "my mug")
+    assert named.given == [("object_1", "my mug")]
+    plain = ObjectStage(object(), CrossCameraVisibility())
+    with pytest.raises(IgripError, match="--poses auto or shapes"):
+        plain.give_name("object_1", "my mug")

@@ -189,6 +189,24 @@ def test_names_are_given_by_shape_and_colour_and_the_file_is_written(catalog, tm
     assert catalog["beans"].name == "beans"
 
 
+def test_a_name_that_is_given_while_it_runs_holds_in_the_next_run(catalog, tmp_path):
+    path = tmp_path / "names.toml"
+    first = ShapesPoses(catalog, {"names": str(path)})
+    film(first, RenderedScene({"can": standing(CAN, 0.1, 0.05)}, CAMERA), 3)
+    first.give_name("object_1", "my beans")
+    with pytest.raises(IgripError, match="no unknown thing 'object_7'"):
+        first.give_name("object_7", "x")
+    first.close()
+    assert path.read_text().count("[") == 3  # a table and two lists: nothing else was added
+    moved = RenderedScene({"can": standing(CAN, -0.1, 0.0)}, CAMERA)
+    again = ShapesPoses(catalog, {"names": str(path)})
+    assert set(film(again, moved, 3, seed=1)) == {"my beans"}
+    unnamed = ShapesPoses(catalog)
+    film(unnamed, moved, 3)
+    with pytest.raises(IgripError, match="--option names="):
+        unnamed.give_name("object_1", "x")
+
+
 @pytest.mark.slow
 def test_two_cameras_call_a_thing_the_same(catalog):
     objects = {"box": standing(BOX, -0.1, 0.0), "can": standing(CAN, 0.12, 0.0)}

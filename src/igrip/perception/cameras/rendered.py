@@ -1,4 +1,7 @@
-"""``rendered:SEED``: a simulated camera before a simulated person, for trials without a camera."""
+"""``rendered:SEED``: a simulated camera before a simulated person, for trials without a camera.
+
+``rendered:SEED?turn=MODEL`` shows a thing that is turned on the table instead, for ``igrip scan``.
+"""
 
 from __future__ import annotations
 
@@ -6,32 +9,46 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from igrip.errors import CameraError
+from igrip.errors import CameraError, UnknownModelError
 from igrip.lab.rendering.drawn_hand import OPEN_HAND, draw_hand, paste_hand
 from igrip.lab.rendering.filmed_reach import film_reach
 from igrip.lab.rendering.scene import RenderedScene
 from igrip.objects.catalog import load_objects
 from igrip.perception.cameras import CAMERAS, Camera
+from igrip.perception.cameras._options import split_options
+from igrip.perception.cameras._turned_thing import TurnedThing
 from igrip.perception.opencv import load_opencv
 from igrip.rgbd import RgbdFrame
 
 RATE = 30.0  # frames a second, at most
 STILLS = 8  # pictures of the table that take turns, each with its own noise: one takes a while
+DEFAULTS: dict[str, Any] = {"turn": "", "step": 30.0}
+MIN_STEP, MAX_STEP = 5.0, 90.0  # degrees
 
 
 @CAMERAS.register("rendered")
 def open_rendered(rest: str) -> Camera:
-    """Open ``rendered`` or ``rendered:SEED``."""
+    """Open ``rendered``, ``rendered:SEED`` or ``rendered:SEED?turn=MODEL&step=DEGREES``."""
+    text, options = split_options(rest, DEFAULTS)
     try:
-        seed = int(rest or "0")
+        seed = int(text or "0")
     except ValueError:
         raise CameraError(f"rendered:{rest}: write rendered or rendered:SEED, a number") from None
     if seed < 0:
         raise CameraError(f"rendered:{rest}: the seed must not be negative")
-    return RenderedCamera(seed)
+    if not options["turn"]:
+        return RenderedCamera(seed)
+    if not MIN_STEP <= options["step"] <= MAX_STEP:
+        raise CameraError(f"rendered:{rest}: step must be {MIN_STEP:g} to {MAX_STEP:g} degrees")
+    try:
+        model = load_objects("ycb")[options["turn"]]
+    except UnknownModelError as error:
+        raise CameraError(f"rendered:{rest}: {error}") from None
+    return TurnedThing(model, options["step"], seed)
 
 
 class RenderedCamera:

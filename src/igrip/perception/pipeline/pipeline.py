@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from igrip.errors import IgripError
 from igrip.observation import Observation
@@ -20,6 +20,15 @@ from igrip.runtime.mailbox import Mailbox
 MAX_WAIT = 5.0  # s that the last frames of a recording may take
 DetectHands = Callable[[RgbdFrame], DetectedHands]
 EstimatePoses = Callable[[RgbdFrame, DetectedHands | None], DetectedObjects]
+
+
+@runtime_checkable
+class Naming(Protocol):
+    """A stage that gives names to things."""
+
+    def give_name(self, id: str, name: str) -> None:
+        """Give a thing a name; an IgripError says why not."""
+        ...
 
 
 class Pipeline:
@@ -119,6 +128,14 @@ class Pipeline:
         with self._lock:
             problems = [getattr(stage, "problem", None) for stage in self._stages]
         return [problem for problem in problems if problem]
+
+    def give_name(self, id: str, name: str) -> None:
+        """Give an unknown thing a name, from the next run on; an IgripError says why not."""
+        with self._lock:
+            stages = [stage for stage in self._stages if isinstance(stage, Naming)]
+        if not stages:
+            raise IgripError("no objects are looked for yet")
+        stages[0].give_name(id, name)  # cameras of one run share what they know
 
     def report(self) -> dict[str, dict[str, Any]]:
         """Return for the camera and each stage what was done, how fast, and what was dropped."""

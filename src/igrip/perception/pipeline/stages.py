@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from igrip.entities import ObjectPose
+from igrip.errors import IgripError
 from igrip.lab.rendering.scene import random_scene
 from igrip.objects.catalog import Catalog
 from igrip.perception.hand_ids import HandIdConfig, HandIdTracker, PalmMeasurement
@@ -128,6 +129,13 @@ class ObjectStage:
         """What is wrong with the pose estimator just now."""
         problem: str | None = getattr(self._estimator, "problem", None)
         return problem
+
+    def give_name(self, id: str, name: str) -> None:
+        """Give an unknown thing a name, from the next run on; an IgripError says why not."""
+        give = getattr(self._estimator, "give_name", None)
+        if give is None:
+            raise IgripError("names are given to unknown things: --poses auto or shapes")
+        give(id, name)
 
     def close(self) -> None:
         """Close the pose estimator."""

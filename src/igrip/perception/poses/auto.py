@@ -62,6 +62,10 @@ class AutoPoses:
         known = self._known.visible_fits(frame.camera)
         return poses | dict(self._unknown.estimate(frame, hands, known))
 
+    def give_name(self, id: str, name: str) -> None:
+        """Give an unknown thing a name; see :meth:`ShapesPoses.give_name`."""
+        self._unknown.give_name(id, name)
+
     def close(self) -> None:
         """Forget all cameras; write the file of names, if there is none yet."""
         self._known.close()

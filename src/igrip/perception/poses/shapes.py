@@ -19,7 +19,7 @@ from igrip.perception.options import validated
 from igrip.perception.poses import POSES
 from igrip.perception.registration.fit import PoseFit
 from igrip.perception.shapes.memory import Memory
-from igrip.perception.shapes.names import read_names, write_names
+from igrip.perception.shapes.names import give_name, read_names, write_names
 from igrip.perception.shapes.options import ShapesOptions
 from igrip.perception.shapes.things import Things
 from igrip.perception.transforms import object_pose, rigid
@@ -98,6 +98,23 @@ class ShapesPoses:
             for thing in things.followed.values()
             if thing.track.state == "visible" and thing.born <= since
         ]  # fmt: skip
+
+    def give_name(self, id: str, name: str) -> None:
+        """Give a thing a name, in the file of names; it has it from the next run on.
+
+        May be called from another thread.
+
+        Raises
+        ------
+        IgripError
+            If there is no such thing or no file, or the name cannot be used.
+        """
+        thing = self.memory.things().get(id)
+        if thing is None:
+            raise IgripError(f"there is no unknown thing {id!r}")
+        if self.options.names is None:
+            raise IgripError("names need a file: start with --option names=names.toml")
+        give_name(self.options.names, id, name, thing.look, self._catalog)
 
     def close(self) -> None:
         """Forget all cameras; write the file of names, if there is none yet."""

@@ -4,6 +4,7 @@ import { drawControls, seek, setUpControls, setUpEstimators } from "./controls.j
 import { save, setUpExport } from "./exporting.js";
 import { countDown, drawHands } from "./hands.js";
 import { element, setLooks } from "./looks.js";
+import { drawNaming } from "./naming.js";
 import { Scene } from "./scene.js";
 import { addRows, addScene, store } from "./store.js";
 import { csv, drawStages, drawTable, drawTrials, listTrials } from "./tables.js";
@@ -56,6 +57,7 @@ const handlers = {
     if (store.trials) listTrials(store.trials, send);
     scene.refit();
   },
+  things: (message) => drawNaming(message, send),
   stages: (message) => drawStages("stages", "Rate and latency of each stage", message),
   borders: (message) => drawStages("borders", "Heights from the middle, along the axis of the cylinder", message),
   picture({ camera, number }) {

@@ -1,0 +1,1 @@
+"""A model of one's own thing, from turning it before a camera with depth."""
