@@ -26,6 +26,7 @@ from igrip.perception.registration.colours import (
 from igrip.perception.registration.crop import points_near
 from igrip.perception.registration.fit import PoseFit, SearchContext, misfit, refit_flipped
 from igrip.perception.registration.gradual_search import Finished, GradualSearch
+from igrip.perception.registration.hand_motion import HandMotion, MovingHand, holds
 from igrip.perception.registration.refused import Refusals
 from igrip.perception.registration.search import Steps, on_object, search_steps
 from igrip.perception.registration.shape import Shape, shape_of
@@ -72,7 +73,7 @@ class DepthOptions(Settings):
         0.5, "s", "between searches for objects that are not visible", "guess", ge=0
     )
     search_budget: int = quantity(
-        120, "1", "starts that a search tries in a frame while something is tracked; about 10 ms",
+        100, "1", "starts that a search tries in a frame while something is tracked; about 10 ms",
         "docs/poses.md", ge=1,
     )  # fmt: skip
     tolerance: float = quantity(
@@ -93,6 +94,8 @@ class _CameraState:
     missed: GradualSearch = field(default_factory=GradualSearch)  # for what was just visible
     absent: GradualSearch = field(default_factory=GradualSearch)  # for all else
     refusals: Refusals = field(default_factory=Refusals)
+    hands: HandMotion = field(default_factory=HandMotion)
+    holders: dict[str, int] = field(default_factory=dict)  # by which hand each thing is held
 
 
 @POSES.register("depth")
@@ -148,8 +151,11 @@ class DepthPoses:
         if camera.table.change is not None:
             self._carry_on(camera, camera.table.change)
         view = depth_view(frame, hands, camera.table.plane, self.options.tolerance)
+        moving = camera.hands.update(view, hands)
+        beside = view.beside_hands()
         for id, track in list(camera.tracks.items()):
-            updated = track.update(view, frame.t)
+            hand = self._hand_at(camera, id, track, moving)
+            updated = track.update(beside, frame.t, hand)
             if updated.state == "gone":
                 del camera.tracks[id]
                 camera.gone.add(id)
@@ -181,6 +187,18 @@ class DepthPoses:
         camera.missed.stop()
         camera.absent.stop()
         camera.refusals.clear()
+
+    def _hand_at(
+        self, camera: _CameraState, id: str, track: DepthTrack, hands: Sequence[MovingHand]
+    ) -> Array | None:
+        """Return how the hand moved that is at an object, (3,) [m]; None: there is none."""
+        for hand in sorted(hands, key=lambda hand: hand.number != camera.holders.get(id)):
+            same = track.carried and hand.number == camera.holders.get(id)
+            if (same and track.state != "visible") or holds(hand, track.fit):
+                camera.holders[id] = hand.number
+                return hand.shift
+        camera.holders.pop(id, None)
+        return None
 
     def _search(
         self, camera: _CameraState, view: DepthView, frame: RgbdFrame, others: Sequence[PoseFit]

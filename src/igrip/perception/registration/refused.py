@@ -12,8 +12,8 @@ from igrip.rgbd import Array
 
 SAME_PLACE, SAME_TOP = 0.008, 0.010  # how far apart the middles and tops of one cluster may be [m]
 SAME_SIZE = 0.12  # and by which share its number of points may differ; guess
-FIRST, LONGEST = 0.5, 8.0  # until a cluster is searched again [s]; twice as long each time; guess
-FORGOTTEN = 20.0  # s after which what was not seen again is forgotten
+FIRST, LONGEST = 1.0, 16.0  # until a cluster is searched again [s]; twice as long each time; guess
+FORGOTTEN = 40.0  # s after which what was not seen again is forgotten
 
 
 @dataclass

@@ -21,6 +21,7 @@ from igrip.perception.registration.split_clusters import split_steps
 from igrip.rgbd import Array
 
 ON_OBJECT = 0.015  # points so near to a known object are its own [m]
+CLUSTERING = 100  # clusters take about as long as so many starts
 ROUNDS = 2  # what is left when the first are found is searched again
 Steps = Generator[int, None, dict[str, PoseFit]]
 """Yields the number of starts that each step tried; returns what was found, by id."""
@@ -74,6 +75,7 @@ def search_steps(
     refusals = refusals or Refusals()
     every = clusters_above(points, depths, context.view.noise)
     clusters = [rest for one in every if (rest := _without(one, known)) is not None]
+    yield CLUSTERING
     searched = [(one, refusals.allowed(one, wanted, t)) for one in clusters]
     searched = [(one, names) for one, names in searched if names]
     for _ in range(ROUNDS):

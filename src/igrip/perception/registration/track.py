@@ -1,7 +1,8 @@
 """Follow one object from frame to frame: visible and fitted, hidden and kept, or gone.
 
 An object is hidden where something nearer covers it: it keeps its pose, and the time when it was
-last visible. It is gone where farther surfaces are measured in its place.
+last visible. It is gone where farther surfaces are measured in its place. What a hand holds moves
+with the hand, visible or not.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ MIN_VISIBLE = 0.25  # share of its side that must be visible; guess
 MIN_AGREEMENT = 0.6  # of what is visible with where it is; guess
 COVERED = 0.2  # a share hidden beyond that at the start: it is not moved if it still fits; guess
 SEEN_THROUGH = 0.35  # share measured behind it, for it not to be there; guess
+MAX_GONE_HELD = 10  # the same of what a hand holds; guess
+MOVES = 0.002  # by which a hand moves in a frame that does not rest [m]; guess
 MAX_GONE = 2  # frames in a row before it is given up: a depth picture may flicker
 LIFTED = 0.015  # so far from where it rested it rests no more [m]
 MIN_UPRIGHT = np.cos(np.radians(10.0))  # nor if it leans more
@@ -44,34 +47,55 @@ class DepthTrack:
     state: State = "visible"  # in the newest frame
     gone_for: int = 0  # frames in a row in which it seemed gone
     velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
+    carried: bool = False  # whether it moved with the hand that is at it
 
-    def update(self, view: DepthView, t: float) -> DepthTrack:
-        """Return the track after a frame of time ``t`` [s]."""
+    def update(self, view: DepthView, t: float, hand: Array | None = None) -> DepthTrack:
+        """Return the track after a frame of time ``t`` [s].
+
+        ``hand``: by which the hand at it moved since the former frame, (3,) [m]; None: there is
+        none at it.
+        """
         here = rated(self.fit, view)
         agrees = _agrees(here)
-        if agrees and here.hidden > self.hidden + COVERED:
+        led = hand is not None and (self.carried or float(np.linalg.norm(hand)) > MOVES)
+        if agrees and here.hidden > self.hidden + COVERED and not led:
             # a hand or an arm is in front: the part of it that is visible has not moved
-            return self._visible(here, t)
-        best = self._best_fit(here, view, t)
-        if best is not None:
+            return replace(self._visible(here, t), carried=self.carried and hand is not None)
+        best = self._best_fit(here, view, t, hand if led else None)
+        if best is not None and not (led and agrees and _is_no_better(best, here)):
             best = replace(best, resting=self.fit.resting)
-            return replace(self._visible(best, t), velocity=self._velocity_to(best, t))
+            moved = float(np.linalg.norm(best.centre - self.fit.centre)) > MIN_SHIFT
+            carried = hand is not None and (self.carried or moved)
+            seen = replace(self._visible(best, t), carried=carried)
+            return replace(seen, velocity=self._velocity_to(best, t))
         if agrees:
-            return self._visible(here, t)
-        share = here.visibility
-        if share.through > SEEN_THROUGH and share.through > share.match:
-            gone_for = self.gone_for + 1
-            state: State = "gone" if gone_for >= MAX_GONE else "hidden"
-            return replace(self, state=state, gone_for=gone_for)
-        return replace(self, state="hidden", gone_for=0)
+            return replace(self._visible(here, t), carried=False)
+        return self._unseen(here, view, hand)
+
+    def _unseen(self, here: PoseFit, view: DepthView, hand: Array | None) -> DepthTrack:
+        """Return the track after a frame in which it was not found."""
+        through = _is_seen_through(here)
+        carried = hand is not None and (self.carried or through)
+        if carried and hand is not None:
+            pose = here.pose._replace(translation=here.pose.translation + hand)
+            here = rated(replace(here, pose=pose), view)
+            through = _is_seen_through(here)
+        kept = replace(self, carried=carried, fit=here if carried else self.fit)
+        if not through:
+            return replace(kept, state="hidden", gone_for=0)
+        gone_for = self.gone_for + 1
+        state: State = "gone" if gone_for >= (MAX_GONE_HELD if carried else MAX_GONE) else "hidden"
+        return replace(kept, state=state, gone_for=gone_for)
 
     def _visible(self, fit: PoseFit, t: float) -> DepthTrack:
         return replace(self, fit=fit, t=t, state="visible", gone_for=0)
 
-    def _best_fit(self, here: PoseFit, view: DepthView, t: float) -> PoseFit | None:
+    def _best_fit(
+        self, here: PoseFit, view: DepthView, t: float, hand: Array | None
+    ) -> PoseFit | None:
         """Return the best fit that agrees, from where it was or would be by now."""
         best: PoseFit | None = None
-        for start in self._starts(here, t):
+        for start in self._starts(here, t, hand):
             points, depths = points_near(view, start.pose, start.shape.surface, POINTS)
             if len(points) >= MIN_POINTS:
                 fit = refit(start, points, depths, view, ANNEALING)
@@ -82,14 +106,16 @@ class DepthTrack:
                 break  # as good as before: no need to look further
         return best
 
-    def _starts(self, here: PoseFit, t: float) -> list[PoseFit]:
+    def _starts(self, here: PoseFit, t: float, hand: Array | None) -> list[PoseFit]:
         """Return where it was, resting and free, and where it would be by now."""
-        starts = [here] if _rests(here) else []
         free = replace(here, resting=here.resting._replace(weight=0.0))
-        shift = self.velocity * min(max(t - self.t, 0.0), MAX_LOOK_AHEAD)
-        if np.linalg.norm(shift) > MIN_SHIFT:
-            pose = here.pose._replace(translation=here.pose.translation + shift)
-            starts.append(replace(free, pose=pose))
+        starts = [here] if _rests(here) and not self.carried else []
+        shifts = [] if hand is None else [hand]
+        shifts.append(self.velocity * min(max(t - self.t, 0.0), MAX_LOOK_AHEAD))
+        for shift in shifts:
+            if np.linalg.norm(shift) > MIN_SHIFT:
+                pose = here.pose._replace(translation=here.pose.translation + shift)
+                starts.append(replace(free, pose=pose))
         starts.append(free)
         return starts
 
@@ -106,6 +132,16 @@ def _agrees(fit: PoseFit) -> bool:
     open_share = 1.0 - fit.visibility.hidden - fit.visibility.outside
     visible = fit.visibility.match >= MIN_VISIBLE * max(open_share, 0.5)
     return visible and fit.agreement >= MIN_AGREEMENT
+
+
+def _is_seen_through(fit: PoseFit) -> bool:
+    share = fit.visibility
+    return share.through > SEEN_THROUGH and share.through > share.match
+
+
+def _is_no_better(fit: PoseFit, here: PoseFit) -> bool:
+    """Whether a fit agrees no better than where it was, of which more would have to be seen."""
+    return fit.agreement < here.agreement + CLEARLY
 
 
 def _rests(fit: PoseFit) -> bool:
