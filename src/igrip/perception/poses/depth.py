@@ -151,7 +151,7 @@ class DepthPoses:
         if camera.table.change is not None:
             self._carry_on(camera, camera.table.change)
         view = depth_view(frame, hands, camera.table.plane, self.options.tolerance)
-        moving = camera.hands.update(view, hands)
+        moving = camera.hands.update(view, hands, frame.t)
         beside = view.beside_hands()
         for id, track in list(camera.tracks.items()):
             hand = self._hand_at(camera, id, track, moving)
@@ -190,13 +190,13 @@ class DepthPoses:
 
     def _hand_at(
         self, camera: _CameraState, id: str, track: DepthTrack, hands: Sequence[MovingHand]
-    ) -> Array | None:
-        """Return how the hand moved that is at an object, (3,) [m]; None: there is none."""
+    ) -> MovingHand | None:
+        """Return the hand that is at an object, or moved away with it; None: there is none."""
         for hand in sorted(hands, key=lambda hand: hand.number != camera.holders.get(id)):
             same = track.carried and hand.number == camera.holders.get(id)
             if (same and track.state != "visible") or holds(hand, track.fit):
                 camera.holders[id] = hand.number
-                return hand.shift
+                return hand
         camera.holders.pop(id, None)
         return None
 

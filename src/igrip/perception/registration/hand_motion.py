@@ -28,11 +28,20 @@ class MovingHand(NamedTuple):
         The same from frame to frame.
     shift : (3,)
         By which it moved since the former frame; zero if it is new.
+    speed : float
+        The same by time [m/s].
     """
 
     points: Array
     number: int
     shift: Array
+    speed: float
+
+    @property
+    def position(self) -> Array:
+        """Where it is, (3,)."""
+        position: Array = np.median(self.points, axis=0)
+        return position
 
 
 class _Seen(NamedTuple):
@@ -55,10 +64,12 @@ class HandMotion:
     def __init__(self) -> None:
         self._seen: list[_Seen] = []
         self._count = 0
+        self._t = 0.0
 
-    def update(self, view: DepthView, hands: Sequence[Array]) -> list[MovingHand]:
-        """Take the landmarks of a frame, (n, 2) each [pixels]; return those with depth."""
+    def update(self, view: DepthView, hands: Sequence[Array], t: float) -> list[MovingHand]:
+        """Take the landmarks of a frame, (n, 2) each [pixels]; return hands with depth."""
         before, self._seen = self._seen, []
+        elapsed, self._t = max(t - self._t, 1e-3), t
         moving = []
         for landmarks in hands:
             pixels = np.asarray(landmarks, dtype=np.float64)
@@ -75,7 +86,8 @@ class HandMotion:
             points = view.intrinsics.points(pixels, np.where(depths > 0.0, depths, depth))
             points = points @ view.table_from_camera[:3, :3].T + view.table_from_camera[:3, 3]
             shift = np.zeros(3) if old is None else _shift(old, now, view)
-            moving.append(MovingHand(points, number, shift))
+            speed = float(np.linalg.norm(shift)) / elapsed
+            moving.append(MovingHand(points, number, shift, speed))
         return moving
 
     def _former(

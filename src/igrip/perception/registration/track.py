@@ -15,6 +15,7 @@ import numpy as np
 from igrip.perception.registration.align import Annealing
 from igrip.perception.registration.crop import GATE, points_near
 from igrip.perception.registration.fit import PoseFit, rated, refit
+from igrip.perception.registration.hand_motion import MovingHand
 from igrip.perception.registration.view import DepthView
 from igrip.rgbd import Array
 
@@ -30,7 +31,11 @@ MIN_AGREEMENT = 0.6  # of what is visible with where it is; guess
 COVERED = 0.2  # a share hidden beyond that at the start: it is not moved if it still fits; guess
 SEEN_THROUGH = 0.35  # share measured behind it, for it not to be there; guess
 MAX_GONE_HELD = 10  # the same of what a hand holds; guess
-MOVES = 0.002  # by which a hand moves in a frame that does not rest [m]; guess
+MOVES = 0.05  # of a hand that does not rest [m/s]; guess
+WELL = 0.35  # share of its side that must be visible to say that it slips in the hand; guess
+SLIPS = 0.03  # by more than that it does not, if less is visible [m]; guess
+LATE = 0.05  # s by which landmarks of hands may be late; guess
+MORE = 0.04  # share of its side by which evidence must be better for it to have moved; guess
 MAX_GONE = 2  # frames in a row before it is given up: a depth picture may flicker
 LIFTED = 0.015  # so far from where it rested it rests no more [m]
 MIN_UPRIGHT = np.cos(np.radians(10.0))  # nor if it leans more
@@ -48,50 +53,74 @@ class DepthTrack:
     gone_for: int = 0  # frames in a row in which it seemed gone
     velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
     carried: bool = False  # whether it moved with the hand that is at it
+    led: Array = field(default_factory=lambda: np.zeros(3))  # way of the hand since it rested [m]
+    grip: Array | None = None  # its centre seen from the hand, (3,) [m]
 
-    def update(self, view: DepthView, t: float, hand: Array | None = None) -> DepthTrack:
-        """Return the track after a frame of time ``t`` [s].
-
-        ``hand``: by which the hand at it moved since the former frame, (3,) [m]; None: there is
-        none at it.
-        """
+    def update(self, view: DepthView, t: float, hand: MovingHand | None = None) -> DepthTrack:
+        """Return the track after a frame of time ``t`` [s]; ``hand`` is the one that is at it."""
         here = rated(self.fit, view)
         agrees = _agrees(here)
-        led = hand is not None and (self.carried or float(np.linalg.norm(hand)) > MOVES)
-        if agrees and here.hidden > self.hidden + COVERED and not led:
+        moves = hand is not None and (self.carried or hand.speed > MOVES)
+        before = self._led(hand)
+        if agrees and here.hidden > self.hidden + COVERED and not moves:
             # a hand or an arm is in front: the part of it that is visible has not moved
-            return replace(self._visible(here, t), carried=self.carried and hand is not None)
-        best = self._best_fit(here, view, t, hand if led else None)
-        if best is not None and not (led and agrees and _is_no_better(best, here)):
+            return before._visible(here, t, hand)
+        best = self._best_fit(here, view, t, hand if moves else None)
+        if best is not None and moves and not before._is_likely(best, here if agrees else None, hand):
+            best = None
+        if best is not None:
             best = replace(best, resting=self.fit.resting)
             moved = float(np.linalg.norm(best.centre - self.fit.centre)) > MIN_SHIFT
-            carried = hand is not None and (self.carried or moved)
-            seen = replace(self._visible(best, t), carried=carried)
-            return replace(seen, velocity=self._velocity_to(best, t))
-        if agrees:
-            return replace(self._visible(here, t), carried=False)
-        return self._unseen(here, view, hand)
+            seen = before._visible(best, t, hand)
+            carried = hand is not None and (self.carried or (moves and moved))
+            return replace(seen, velocity=self._velocity_to(best, t), carried=carried)
+        if agrees and not self.carried:
+            return before._visible(here, t, hand)
+        return before._unseen(here, view, hand)
 
-    def _unseen(self, here: PoseFit, view: DepthView, hand: Array | None) -> DepthTrack:
+    def _led(self, hand: MovingHand | None) -> DepthTrack:
+        """Return the track with the way of the hand at it, since that rested."""
+        if hand is None:
+            return replace(self, led=np.zeros(3), grip=None, carried=False)
+        led = self.led + hand.shift if hand.speed > MOVES else np.zeros(3)
+        return replace(self, led=led)
+
+    def _is_likely(self, fit: PoseFit, here: PoseFit | None, hand: MovingHand | None) -> bool:
+        """Whether a fit beside a moving hand is the object, not the hand.
+
+        ``here`` is where it was, if that agrees, too.
+        """
+        if here is not None and not self.carried and _evidence(fit) < _evidence(here) + MORE:
+            return False
+        if hand is None or self.grip is None or fit.visibility.match >= WELL:
+            return True
+        slipped = float(np.linalg.norm(fit.centre - hand.position - self.grip))
+        return slipped < SLIPS + LATE * hand.speed
+
+    def _unseen(self, here: PoseFit, view: DepthView, hand: MovingHand | None) -> DepthTrack:
         """Return the track after a frame in which it was not found."""
-        through = _is_seen_through(here)
-        carried = hand is not None and (self.carried or through)
-        if carried and hand is not None:
-            pose = here.pose._replace(translation=here.pose.translation + hand)
-            here = rated(replace(here, pose=pose), view)
-            through = _is_seen_through(here)
-        kept = replace(self, carried=carried, fit=here if carried else self.fit)
-        if not through:
+        kept, through = self, here.visibility.through
+        if hand is not None:
+            shift = hand.shift if self.carried else self.led
+            pose = here.pose._replace(translation=here.pose.translation + shift)
+            there = rated(replace(here, pose=pose), view)
+            if self.carried or through > there.visibility.through + MORE:
+                kept = replace(self, carried=True, fit=there, led=np.zeros(3))
+                here = there
+        if not _is_seen_through(here):
             return replace(kept, state="hidden", gone_for=0)
         gone_for = self.gone_for + 1
-        state: State = "gone" if gone_for >= (MAX_GONE_HELD if carried else MAX_GONE) else "hidden"
-        return replace(kept, state=state, gone_for=gone_for)
+        limit = MAX_GONE_HELD if kept.carried else MAX_GONE
+        return replace(kept, state="gone" if gone_for >= limit else "hidden", gone_for=gone_for)
 
-    def _visible(self, fit: PoseFit, t: float) -> DepthTrack:
-        return replace(self, fit=fit, t=t, state="visible", gone_for=0)
+    def _visible(self, fit: PoseFit, t: float, hand: MovingHand | None) -> DepthTrack:
+        grip = self.grip
+        if hand is not None and (grip is None or fit.visibility.match >= WELL):
+            grip = fit.centre - hand.position
+        return replace(self, fit=fit, t=t, state="visible", gone_for=0, grip=grip)
 
     def _best_fit(
-        self, here: PoseFit, view: DepthView, t: float, hand: Array | None
+        self, here: PoseFit, view: DepthView, t: float, hand: MovingHand | None
     ) -> PoseFit | None:
         """Return the best fit that agrees, from where it was or would be by now."""
         best: PoseFit | None = None
@@ -106,11 +135,11 @@ class DepthTrack:
                 break  # as good as before: no need to look further
         return best
 
-    def _starts(self, here: PoseFit, t: float, hand: Array | None) -> list[PoseFit]:
+    def _starts(self, here: PoseFit, t: float, hand: MovingHand | None) -> list[PoseFit]:
         """Return where it was, resting and free, and where it would be by now."""
         free = replace(here, resting=here.resting._replace(weight=0.0))
         starts = [here] if _rests(here) and not self.carried else []
-        shifts = [] if hand is None else [hand]
+        shifts = [] if hand is None else [hand.shift]
         shifts.append(self.velocity * min(max(t - self.t, 0.0), MAX_LOOK_AHEAD))
         for shift in shifts:
             if np.linalg.norm(shift) > MIN_SHIFT:
@@ -139,9 +168,9 @@ def _is_seen_through(fit: PoseFit) -> bool:
     return share.through > SEEN_THROUGH and share.through > share.match
 
 
-def _is_no_better(fit: PoseFit, here: PoseFit) -> bool:
-    """Whether a fit agrees no better than where it was, of which more would have to be seen."""
-    return fit.agreement < here.agreement + CLEARLY
+def _evidence(fit: PoseFit) -> float:
+    """Return which share of its side speaks for a fit, less what speaks against it."""
+    return fit.visibility.fit - fit.visibility.through
 
 
 def _rests(fit: PoseFit) -> bool:
