@@ -193,7 +193,7 @@ class DepthPoses:
     ) -> MovingHand | None:
         """Return the hand that is at an object, or moved away with it; None: there is none."""
         for hand in sorted(hands, key=lambda hand: hand.number != camera.holders.get(id)):
-            same = track.carried and hand.number == camera.holders.get(id)
+            same = hand.number == camera.holders.get(id)
             if (same and track.state != "visible") or holds(hand, track.fit):
                 camera.holders[id] = hand.number
                 return hand

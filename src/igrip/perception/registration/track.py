@@ -33,9 +33,13 @@ SEEN_THROUGH = 0.35  # share measured behind it, for it not to be there; guess
 MAX_GONE_HELD = 10  # the same of what a hand holds; guess
 MOVES = 0.05  # of a hand that does not rest [m/s]; guess
 WELL = 0.35  # share of its side that must be visible to say that it slips in the hand; guess
-SLIPS = 0.03  # by more than that it does not, if less is visible [m]; guess
-LATE = 0.05  # s by which landmarks of hands may be late; guess
+BARELY = 0.18  # and with less of what moves with a hand it is not visible; guess
+SLIPS = 0.025  # if less than WELL is visible, it does not slip farther [m]; guess
+LATE = 0.03  # s by which landmarks of hands may be late; guess
+MIN_TAKEN = 0.01  # what is hidden goes with the hand that rested at it from here on [m]; guess
 MORE = 0.04  # share of its side by which evidence must be better for it to have moved; guess
+ALONG, ASIDE = 0.3, 0.5  # what begins to move with a hand goes so far along, and aside; guess
+JITTER = 0.006  # of a fit [m]; guess
 MAX_GONE = 2  # frames in a row before it is given up: a depth picture may flicker
 LIFTED = 0.015  # so far from where it rested it rests no more [m]
 MIN_UPRIGHT = np.cos(np.radians(10.0))  # nor if it leans more
@@ -54,7 +58,9 @@ class DepthTrack:
     velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
     carried: bool = False  # whether it moved with the hand that is at it
     led: Array = field(default_factory=lambda: np.zeros(3))  # way of the hand since it rested [m]
-    grip: Array | None = None  # its centre seen from the hand, (3,) [m]
+    sure: Array | None = None  # its centre when it was well visible, carried on with the hand [m]
+    grasped: bool = False  # whether that hand has rested at it
+    left: PoseFit | None = None  # where it was before it moved unseen with the hand
 
     def update(self, view: DepthView, t: float, hand: MovingHand | None = None) -> DepthTrack:
         """Return the track after a frame of time ``t`` [s]; ``hand`` is the one that is at it."""
@@ -66,8 +72,9 @@ class DepthTrack:
             # a hand or an arm is in front: the part of it that is visible has not moved
             return before._visible(here, t, hand)
         best = self._best_fit(here, view, t, hand if moves else None)
-        if best is not None and moves and not before._is_likely(best, here if agrees else None, hand):
-            best = None
+        if best is not None and hand is not None and moves:
+            likely = before._is_likely(best, here if agrees else None, hand)
+            best = best if likely else None
         if best is not None:
             best = replace(best, resting=self.fit.resting)
             moved = float(np.linalg.norm(best.centre - self.fit.centre)) > MIN_SHIFT
@@ -81,31 +88,45 @@ class DepthTrack:
     def _led(self, hand: MovingHand | None) -> DepthTrack:
         """Return the track with the way of the hand at it, since that rested."""
         if hand is None:
-            return replace(self, led=np.zeros(3), grip=None, carried=False)
-        led = self.led + hand.shift if hand.speed > MOVES else np.zeros(3)
-        return replace(self, led=led)
+            return replace(self, led=np.zeros(3), sure=None, carried=False, grasped=False)
+        if hand.speed > MOVES:
+            sure = None if self.sure is None else self.sure + hand.shift
+            return replace(self, led=self.led + hand.shift, sure=sure)
+        carried = self.carried and not _rests(self.fit)
+        return replace(self, led=np.zeros(3), carried=carried, grasped=True)
 
-    def _is_likely(self, fit: PoseFit, here: PoseFit | None, hand: MovingHand | None) -> bool:
+    def _is_likely(self, fit: PoseFit, here: PoseFit | None, hand: MovingHand) -> bool:
         """Whether a fit beside a moving hand is the object, not the hand.
 
         ``here`` is where it was, if that agrees, too.
         """
-        if here is not None and not self.carried and _evidence(fit) < _evidence(here) + MORE:
+        if self.carried:
+            if self.sure is None or fit.visibility.match >= WELL:
+                return True
+            slipped = float(np.linalg.norm(fit.centre - self.sure))
+            return fit.visibility.match >= BARELY and slipped < SLIPS + LATE * hand.speed
+        if here is not None and _evidence(fit) < _evidence(here) + MORE:
             return False
-        if hand is None or self.grip is None or fit.visibility.match >= WELL:
-            return True
-        slipped = float(np.linalg.norm(fit.centre - hand.position - self.grip))
-        return slipped < SLIPS + LATE * hand.speed
+        way = fit.centre - self.fit.centre
+        share = float(way @ hand.shift) / max(float(hand.shift @ hand.shift), 1e-9)
+        aside = float(np.linalg.norm(way - share * hand.shift))
+        return share > ALONG and aside < ASIDE * float(np.linalg.norm(hand.shift)) + JITTER
 
     def _unseen(self, here: PoseFit, view: DepthView, hand: MovingHand | None) -> DepthTrack:
         """Return the track after a frame in which it was not found."""
-        kept, through = self, here.visibility.through
+        kept = self
         if hand is not None:
             shift = hand.shift if self.carried else self.led
             pose = here.pose._replace(translation=here.pose.translation + shift)
             there = rated(replace(here, pose=pose), view)
-            if self.carried or through > there.visibility.through + MORE:
-                kept = replace(self, carried=True, fit=there, led=np.zeros(3))
+            taken = self.grasped and float(np.linalg.norm(shift)) > MIN_TAKEN
+            empty = here.visibility.through > there.visibility.through + MORE
+            if self.carried or taken or empty:
+                sure = self.sure if self.carried and self.sure is not None else there.centre
+                left = self.left if self.carried else here
+                kept = replace(
+                    self, carried=True, fit=there, led=np.zeros(3), sure=sure, left=left
+                )
                 here = there
         if not _is_seen_through(here):
             return replace(kept, state="hidden", gone_for=0)
@@ -114,10 +135,12 @@ class DepthTrack:
         return replace(kept, state="gone" if gone_for >= limit else "hidden", gone_for=gone_for)
 
     def _visible(self, fit: PoseFit, t: float, hand: MovingHand | None) -> DepthTrack:
-        grip = self.grip
-        if hand is not None and (grip is None or fit.visibility.match >= WELL):
-            grip = fit.centre - hand.position
-        return replace(self, fit=fit, t=t, state="visible", gone_for=0, grip=grip)
+        sure = self.sure
+        if hand is None or not (self.carried or hand.speed <= MOVES):
+            sure = None  # a hand that comes or goes holds nothing
+        elif sure is None or fit.visibility.match >= WELL:
+            sure = fit.centre
+        return replace(self, fit=fit, t=t, state="visible", gone_for=0, sure=sure, left=None)
 
     def _best_fit(
         self, here: PoseFit, view: DepthView, t: float, hand: MovingHand | None
@@ -146,7 +169,7 @@ class DepthTrack:
                 pose = here.pose._replace(translation=here.pose.translation + shift)
                 starts.append(replace(free, pose=pose))
         starts.append(free)
-        return starts
+        return starts if self.left is None else [*starts, self.left]
 
     def _velocity_to(self, fit: PoseFit, t: float) -> Array:
         """Return the velocity of the centre after a new fit [m/s]."""
