@@ -20,7 +20,7 @@ import numpy as np
 import igrip
 from benchmarks.measure_poses import VISIBLE, WITHIN, middle_gap, visibility
 from igrip.lab.rendering.layout import LayoutConfig
-from igrip.lab.rendering.scene import random_scene
+from igrip.lab.rendering.scene import RenderedScene, random_scene
 from igrip.objects.catalog import PAPER_OBJECTS, YCB_VIDEO, Catalog
 from igrip.perception.poses.depth import DepthPoses
 from igrip.rgbd import RgbdFrame
@@ -64,7 +64,7 @@ def main() -> None:
     print(f"load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
 
 
-def film(catalog: Catalog, seed: int) -> tuple[list[tuple[RgbdFrame, object]], list[str]]:
+def film(catalog: Catalog, seed: int) -> tuple[list[tuple[RgbdFrame, RenderedScene]], list[str]]:
     """Return frames with their scene, and which objects can be seen well enough."""
     random = np.random.default_rng([seed, 21])
     while True:
@@ -81,7 +81,7 @@ def film(catalog: Catalog, seed: int) -> tuple[list[tuple[RgbdFrame, object]], l
 
 
 def watch(
-    estimator: DepthPoses, frames: list[tuple[RgbdFrame, object]], judged: list[str],
+    estimator: DepthPoses, frames: list[tuple[RgbdFrame, RenderedScene]], judged: list[str],
     arguments: argparse.Namespace,
 ) -> tuple[list[float], float, float, float, int]:  # fmt: skip
     """Return times of first detection [s], rate [Hz], longest gap [s], work, wrong names."""
@@ -102,7 +102,7 @@ def watch(
                 continue
             reported.add(id)
             near = id in first and middle_gap(
-                scene, id, np.array(pose.position), pose.orientation  # type: ignore[arg-type]
+                scene, id, np.array(pose.position), pose.orientation
             ) <= WITHIN  # fmt: skip
             if near:
                 first[id] = min(first[id], now)

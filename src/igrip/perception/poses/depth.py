@@ -26,7 +26,7 @@ from igrip.perception.registration.colours import (
 from igrip.perception.registration.crop import points_near
 from igrip.perception.registration.fit import PoseFit, SearchContext, misfit, refit_flipped
 from igrip.perception.registration.gradual_search import Finished, GradualSearch
-from igrip.perception.registration.hand_motion import HandMotion, MovingHand, holds
+from igrip.perception.registration.hand_motion import HandMotion, Holders
 from igrip.perception.registration.refused import Refusals
 from igrip.perception.registration.search import Steps, on_object, search_steps
 from igrip.perception.registration.shape import Shape, shape_of
@@ -95,7 +95,7 @@ class _CameraState:
     absent: GradualSearch = field(default_factory=GradualSearch)  # for all else
     refusals: Refusals = field(default_factory=Refusals)
     hands: HandMotion = field(default_factory=HandMotion)
-    holders: dict[str, int] = field(default_factory=dict)  # by which hand each thing is held
+    holders: Holders = field(default_factory=Holders)
 
 
 @POSES.register("depth")
@@ -154,7 +154,7 @@ class DepthPoses:
         moving = camera.hands.update(view, hands, frame.t)
         beside = view.beside_hands()
         for id, track in list(camera.tracks.items()):
-            hand = self._hand_at(camera, id, track, moving)
+            hand = camera.holders.hand_at(id, track.fit, track.state == "visible", moving)
             updated = track.update(beside, frame.t, hand)
             if updated.state == "gone":
                 del camera.tracks[id]
@@ -187,18 +187,6 @@ class DepthPoses:
         camera.missed.stop()
         camera.absent.stop()
         camera.refusals.clear()
-
-    def _hand_at(
-        self, camera: _CameraState, id: str, track: DepthTrack, hands: Sequence[MovingHand]
-    ) -> MovingHand | None:
-        """Return the hand that is at an object, or moved away with it; None: there is none."""
-        for hand in sorted(hands, key=lambda hand: hand.number != camera.holders.get(id)):
-            same = hand.number == camera.holders.get(id)
-            if (same and track.state != "visible") or holds(hand, track.fit):
-                camera.holders[id] = hand.number
-                return hand
-        camera.holders.pop(id, None)
-        return None
 
     def _search(
         self, camera: _CameraState, view: DepthView, frame: RgbdFrame, others: Sequence[PoseFit]

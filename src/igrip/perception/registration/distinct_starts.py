@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from igrip.objects.stable_poses import StablePoses
+from igrip.perception.registration.signed_distance import SignedDistanceField
 from igrip.rgbd import Array
-
-if TYPE_CHECKING:
-    from igrip.perception.registration.shape import Surface
 
 TURNS = np.arange(12) * (2.0 * np.pi / 12)  # about the vertical
 ALIKE = 0.003  # poses are one if all but a tenth of the surface is so near to itself [m]; guess
 SAME_HEIGHT = 0.006  # and their centres are about as high [m]
 
 
-def distinct_starts(surface: Surface, stable_poses: StablePoses) -> NDArray[np.int64]:
-    """Return the ways of resting and the turns (their numbers, (k, 2)) that look different."""
-    points, centre = surface.points[::2] - surface.centre, surface.centre
+def distinct_starts(
+    points: Array, centre: Array, field: SignedDistanceField, stable_poses: StablePoses
+) -> NDArray[np.int64]:
+    """Return the ways of resting and the turns (their numbers, (k, 2)) that look different.
+
+    ``points`` (n, 3) are on the surface; they and the ``centre`` (3,), about which a mesh is turned,
+    are in the frame of the mesh [m].
+    """
+    points = points - centre
     kept: list[tuple[int, int]] = []
     poses: list[tuple[Array, float]] = []
     for way, (rotation, height) in enumerate(
@@ -34,7 +36,7 @@ def distinct_starts(surface: Surface, stable_poses: StablePoses) -> NDArray[np.i
                 if abs(level - middle) > SAME_HEIGHT:
                     continue
                 there = (points @ pose.T + [0.0, 0.0, middle - level]) @ other + centre
-                if np.percentile(np.abs(surface.field.distances(there)), 90.0) < ALIKE:
+                if np.percentile(np.abs(field.distances(there)), 90.0) < ALIKE:
                     break
             else:
                 kept.append((way, turn))

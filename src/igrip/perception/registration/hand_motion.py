@@ -90,9 +90,7 @@ class HandMotion:
             moving.append(MovingHand(points, number, shift, speed))
         return moving
 
-    def _former(
-        self, pixels: Array, depth: float, before: list[_Seen], fx: float
-    ) -> _Seen | None:
+    def _former(self, pixels: Array, depth: float, before: list[_Seen], fx: float) -> _Seen | None:
         """Return the hand of the former frame that is nearest, and take it out of the list."""
         taken = {seen.number for seen in self._seen}
         near = [
@@ -102,6 +100,25 @@ class HandMotion:
         ]
         away, k = min(near, default=(np.inf, 0))
         return before[k] if away < SAME_HAND else None
+
+
+class Holders:
+    """Which hand is at which thing, before one camera."""
+
+    def __init__(self) -> None:
+        self._hands: dict[str, int] = {}
+
+    def hand_at(
+        self, id: str, fit: PoseFit, visible: bool, hands: Sequence[MovingHand]
+    ) -> MovingHand | None:
+        """Return the hand that is at a thing, or was until it hid it; None: there is none."""
+        before = self._hands.get(id)
+        for hand in sorted(hands, key=lambda hand: hand.number != before):
+            if (hand.number == before and not visible) or holds(hand, fit):
+                self._hands[id] = hand.number
+                return hand
+        self._hands.pop(id, None)
+        return None
 
 
 def holds(hand: MovingHand, fit: PoseFit) -> bool:

@@ -57,7 +57,9 @@ def shape_of(model: ObjectModel) -> Shape:
     shape = _read(path, model)
     if shape is None:
         shape = derive_shape(model)
-        shape = shape._replace(starts=distinct_starts(shape.surface, shape.stable_poses))
+        points, centre, field = shape.surface.points[::2], shape.surface.centre, shape.surface.field
+        starts = distinct_starts(points, centre, field, shape.stable_poses)
+        shape = shape._replace(starts=starts)
         _write(path, shape)
     return shape
 

@@ -124,9 +124,7 @@ class DepthTrack:
             if self.carried or taken or empty:
                 sure = self.sure if self.carried and self.sure is not None else there.centre
                 left = self.left if self.carried else here
-                kept = replace(
-                    self, carried=True, fit=there, led=np.zeros(3), sure=sure, left=left
-                )
+                kept = replace(self, carried=True, fit=there, led=np.zeros(3), sure=sure, left=left)
                 here = there
         if not _is_seen_through(here):
             return replace(kept, state="hidden", gone_for=0)
