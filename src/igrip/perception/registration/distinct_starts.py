@@ -19,8 +19,8 @@ def distinct_starts(
 ) -> NDArray[np.int64]:
     """Return the ways of resting and the turns (their numbers, (k, 2)) that look different.
 
-    ``points`` (n, 3) are on the surface; they and the ``centre`` (3,), about which a mesh is turned,
-    are in the frame of the mesh [m].
+    ``points`` (n, 3) are on the surface; they and the ``centre`` (3,), about which a mesh is
+    turned, are in the frame of the mesh [m].
     """
     points = points - centre
     kept: list[tuple[int, int]] = []
