@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import os
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from igrip.perception.poses import POSES
 
 SPEEDS = (0.15, 0.4, 0.8)  # m/s
 WITHIN, FAR = 0.020, 0.040  # m
+WARM_UP = 12  # times that `shapes` sees the first frame before; what is young may be the hand
 SAME = 0.05  # m; what is followed so near to a thing is that thing
 
 
@@ -80,9 +82,12 @@ def judge(
     id: str | None = None
     released, again, last = None, np.inf, np.inf
     for k, (moment, frame, joints) in enumerate(_rendered(thing, seed, speed, arguments)):
+        frame = replace(frame, t=frame.t + WARM_UP / 10)
         landmarks.append(joints)
         if k % arguments.every:
             continue
+        for before in range(WARM_UP if k == 0 and arguments.poses == "shapes" else 0):
+            estimator.estimate(replace(frame, t=frame.t - (WARM_UP - before) / 10), [joints])
         late = k - arguments.late
         hands = [] if arguments.no_hands or late < 0 else [landmarks[late]]
         poses = estimator.estimate(frame, hands)
