@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 from igrip.errors import IgripError, UnknownModelError
 from igrip.lab.rendering.layout import PlacedMesh, look_at
 from igrip.lab.rendering.scene import RenderedScene, colour_of, random_scene
-from igrip.objects.catalog import PAPER_OBJECTS
+from igrip.objects.catalog import PAPER_OBJECTS, YCB_VIDEO
 from igrip.perception.poses import POSES
 from igrip.perception.poses.depth import DepthPoses
+from igrip.perception.registration.fit import fit_to_cluster
 from igrip.rgbd import Intrinsics, RgbdFrame
 from overlaid_scene import Overlay, overlaid
 
@@ -227,7 +228,7 @@ def test_hands_cover_what_is_under_them(catalog, estimator):
     *_, before = film(estimator, scene, 2)
     local = np.linalg.inv(scene.world_from_camera) @ [*true_middle(scene.objects["soup"]), 1.0]
     at = scene.intrinsics.pixels(local[None, :3])[0]
-    spread = np.random.default_rng(0).uniform(-45, 45, (21, 2))
+    spread = np.stack(np.meshgrid(*[np.linspace(-48, 48, 13)] * 2), axis=-1).reshape(-1, 2)
     *_, poses = film(estimator, scene, 3, start=0.2, hands=[at + spread])
     assert poses[SOUP].t == before[SOUP].t
     assert poses[MUSTARD].t > 0.2
@@ -295,3 +296,39 @@ def test_a_real_frame(catalog, shared_data, seed):
             turns += [np.diag(signs) for signs in ([1, -1, -1], [-1, 1, -1], [-1, -1, 1])]
         angles = [(off * Rotation.from_matrix(turn)).magnitude() for turn in turns]
         assert np.degrees(min(angles)) < 10.0
+
+
+def test_a_search_for_what_is_absent_leaves_no_frame_without_poses(catalog, monkeypatch):
+    """Each frame tries few starts only, and all that is tracked is measured in it."""
+    tried = []
+
+    def counted(shape, *arguments):
+        fits = fit_to_cluster(shape, *arguments)
+        tried.append(len(shape.starts) if fits else 0)
+        return fits
+
+    for module in ("search", "split_clusters"):
+        monkeypatch.setattr(f"igrip.perception.registration.{module}.fit_to_cluster", counted)
+    objects = {"mustard": standing(catalog[MUSTARD], -0.12, 0.0)}
+    objects["block"] = standing(catalog["036_wood_block"], 0.12, 0.03)  # is in no list
+    names = [MUSTARD, *(name for name in YCB_VIDEO if name != "036_wood_block")]
+    estimator = DepthPoses(catalog, {"models": names, "search_budget": 50})
+    estimator.estimate(RenderedScene(objects, CAMERA).frame(0.0, np.random.default_rng(0)))
+    most = max(tried)
+    searched = len(tried)
+    for k, poses in enumerate(film(estimator, RenderedScene(objects, CAMERA), 8, start=1 / 30)):
+        assert poses[MUSTARD].t == pytest.approx((k + 1) / 30)
+        assert sum(tried[searched:]) <= 50 + most
+        searched = len(tried)
+    assert set(poses) == {MUSTARD}
+
+
+def test_a_thing_that_comes_is_found_while_others_are_tracked(catalog):
+    estimator = DepthPoses(catalog, {"models": [MUSTARD, SOUP, BOX]})
+    scene = two(catalog)
+    list(film(estimator, RenderedScene({"soup": scene.objects["soup"]}, CAMERA), 4))
+    frames = list(film(estimator, scene, 24, start=0.2))
+    assert all(poses[SOUP].t == pytest.approx(0.2 + k / 30) for k, poses in enumerate(frames))
+    found = next(k for k, poses in enumerate(frames) if poses.get(MUSTARD))
+    assert found / 30 < 0.7
+    assert gap(scene.objects["mustard"], frames[-1][MUSTARD]) < 0.01

@@ -25,7 +25,10 @@ from igrip.perception.registration.colours import (
 )
 from igrip.perception.registration.crop import points_near
 from igrip.perception.registration.fit import PoseFit, SearchContext, misfit, refit_flipped
-from igrip.perception.registration.search import find_objects, on_object
+from igrip.perception.registration.gradual_search import Finished, GradualSearch
+from igrip.perception.registration.hand_motion import HandMotion, Holders
+from igrip.perception.registration.refused import Refusals
+from igrip.perception.registration.search import Steps, on_object, search_steps
 from igrip.perception.registration.shape import Shape, shape_of
 from igrip.perception.registration.table import Table
 from igrip.perception.registration.track import DepthTrack
@@ -35,6 +38,9 @@ from igrip.rgbd import Array, RgbdFrame
 from igrip.settings import Settings, quantity
 
 POINTS = 3000  # that a new object is fitted to in the end
+MISSED = 3.0  # s for which what was visible until then is looked for before all else; guess
+MISSED_INTERVAL = 0.1  # s between searches for it; guess
+FEW_STARTS = 300  # models with so few of them are all sought at once where nothing is tracked
 
 
 class DepthOptions(Settings):
@@ -66,6 +72,10 @@ class DepthOptions(Settings):
     search_interval: float = quantity(
         0.5, "s", "between searches for objects that are not visible", "guess", ge=0
     )
+    search_budget: int = quantity(
+        100, "1", "starts that a search tries in a frame while something is tracked; about 10 ms",
+        "docs/poses.md", ge=1,
+    )  # fmt: skip
     tolerance: float = quantity(
         0.004, "m", "by which meshes and cameras err, besides noise", "guess", gt=0
     )
@@ -80,7 +90,12 @@ class _CameraState:
     table: Table = field(default_factory=Table)
     tracks: dict[str, DepthTrack] = field(default_factory=dict)
     gone: set[str] = field(default_factory=set)
-    searched: float | None = None  # when objects were last looked for [s]
+    seen: dict[str, float] = field(default_factory=dict)  # when each was last visible [s]
+    missed: GradualSearch = field(default_factory=GradualSearch)  # for what was just visible
+    absent: GradualSearch = field(default_factory=GradualSearch)  # for all else
+    refusals: Refusals = field(default_factory=Refusals)
+    hands: HandMotion = field(default_factory=HandMotion)
+    holders: Holders = field(default_factory=Holders)
 
 
 @POSES.register("depth")
@@ -136,8 +151,11 @@ class DepthPoses:
         if camera.table.change is not None:
             self._carry_on(camera, camera.table.change)
         view = depth_view(frame, hands, camera.table.plane, self.options.tolerance)
+        moving = camera.hands.update(view, hands, frame.t)
+        beside = view.beside_hands()
         for id, track in list(camera.tracks.items()):
-            updated = track.update(view, frame.t)
+            hand = camera.holders.hand_at(id, track.fit, track.state == "visible", moving)
+            updated = track.update(beside, frame.t, hand)
             if updated.state == "gone":
                 del camera.tracks[id]
                 camera.gone.add(id)
@@ -166,18 +184,44 @@ class DepthPoses:
         for id, track in camera.tracks.items():
             moved = replace(track.fit, pose=track.fit.pose.after(change))
             camera.tracks[id] = replace(track, fit=moved)
-        camera.searched = None
+        camera.missed.stop()
+        camera.absent.stop()
+        camera.refusals.clear()
 
     def _search(
         self, camera: _CameraState, view: DepthView, frame: RgbdFrame, others: Sequence[PoseFit]
     ) -> None:
-        """Look for the objects that are not visible, if it is time to."""
-        visible = {id: track for id, track in camera.tracks.items() if track.state == "visible"}
+        """Look for the objects that are not visible, no longer than tracking can wait."""
+        visible = {id for id, track in camera.tracks.items() if track.state == "visible"}
+        camera.seen.update(dict.fromkeys(visible, frame.t))
         wanted = {id: shape for id, shape in self._shapes.items() if id not in visible}
-        elapsed = np.inf if camera.searched is None else frame.t - camera.searched
-        if not wanted or 0.0 <= elapsed < self.options.search_interval:
-            return
-        camera.searched = frame.t
+        missed = {
+            id: shape for id, shape in wanted.items()
+            if 0.0 <= frame.t - camera.seen.get(id, -np.inf) < MISSED
+        }  # fmt: skip
+        absent = {id: shape for id, shape in wanted.items() if id not in missed}
+        interval = self.options.search_interval
+        for search, models, pause in (
+            (camera.missed, missed, min(MISSED_INTERVAL, interval)),
+            (camera.absent, absent, interval),
+        ):
+            elapsed = np.inf if search.begun is None else frame.t - search.begun
+            if not search.busy and models and not 0.0 <= elapsed < pause:
+                search.begin(self._steps(camera, view, frame, models, others), frame.t)
+            first = not camera.tracks
+            done = search.go_on(None if first else self.options.search_budget)
+            if done is not None:
+                self._take(camera, done, view, frame.t)
+                if first and camera.tracks:
+                    search.begun = None  # what is left is sought from the next frame on
+            if search.busy:
+                break  # what is missed comes first
+
+    def _steps(
+        self, camera: _CameraState, view: DepthView, frame: RgbdFrame, wanted: dict[str, Shape],
+        others: Sequence[PoseFit],
+    ) -> Steps:  # fmt: skip
+        """Look for objects in a frame, step by step; return those that agree in the end."""
         points, pixels = measured_points(
             view.depth, view.intrinsics, self.options.stride, self._reach
         )
@@ -191,15 +235,33 @@ class DepthPoses:
             return fit.score * colour_similarity(fit, view, frame.colour, palette)
 
         table_from_world = inverse(camera.table.world_from_table)
-        known = [track.fit for track in visible.values()]
+        known = [track.fit for track in camera.tracks.values() if track.state == "visible"]
         known += [replace(fit, pose=fit.pose.after(table_from_world)) for fit in others]
         context = SearchContext(view, score, self.options.threshold, self._random)
-        found = find_objects(table, points[:, 2], wanted, known, context)
+        few = sum(len(shape.starts) for shape in wanted.values()) <= FEW_STARTS
+        found = yield from search_steps(
+            table, points[:, 2], wanted, known, context, camera.refusals, frame.t,
+            split=few or bool(camera.tracks),
+        )  # fmt: skip
+        confirmed = {}
         for id, rough in found.items():
             beside = [other for name, other in found.items() if name != id] + known
             fit = self._confirmed(rough, beside, context)
             if fit is not None:
-                camera.tracks[id] = DepthTrack(fit, frame.t, fit.hidden)
+                confirmed[id] = fit
+        return confirmed
+
+    def _take(self, camera: _CameraState, done: Finished, view: DepthView, t: float) -> None:
+        """Begin to follow what a search found, if it is still there."""
+        for id, fit in done.fits.items():
+            visible = [track.fit for track in camera.tracks.values() if track.state == "visible"]
+            if any(on_object(other, fit.centre[None])[0] for other in visible):
+                continue
+            track = DepthTrack(fit, done.t, fit.hidden)
+            if done.t < t:
+                track = track.update(view, t)
+            if track.state == "visible":
+                camera.tracks[id] = track
                 camera.gone.discard(id)
 
     def _confirmed(

@@ -18,6 +18,8 @@ MIN_POINTS = 30  # of a cluster
 MAX_DEPTH, MIN_DEPTH = 0.3, 0.025  # under the table: a point between them stands on no table [m]
 MAX_BELOW = 0.2  # of a cluster's points may be such points, else it stands beside the table
 EDGE = 0.02  # what stands so far beyond the table's edge still stands on it [m]
+ANGLES = np.radians([0.0, 45.0, 90.0, 135.0])  # in which a width is measured
+ASIDE = np.stack([np.cos(ANGLES), np.sin(ANGLES)])
 
 
 class Cluster(NamedTuple):
@@ -26,6 +28,7 @@ class Cluster(NamedTuple):
     points: Array  # (n, 3), in the frame of the table [m]
     depths: Array  # (n,), along the optical axis [m]
     top: float  # height of all but the highest points [m]
+    width: float = 0.0  # of the middle two thirds of the points, seen from above [m]
 
     def part(self, own: NDArray[np.bool_]) -> Cluster:
         """Return the cluster of some of its points, (n,) true."""
@@ -34,7 +37,9 @@ class Cluster(NamedTuple):
 
 def cluster_of(points: Array, depths: Array) -> Cluster:
     """Return the cluster of points (n, 3), at depths (n,) [m]."""
-    return Cluster(points, depths, float(np.percentile(points[:, 2], 97.0)))
+    low, high = np.percentile(points[:, :2] @ ASIDE, (17.0, 83.0), axis=0)
+    width = float((high - low).max())
+    return Cluster(points, depths, float(np.percentile(points[:, 2], 97.0)), width)
 
 
 def clusters_above(points: Array, depths: Array, noise: float) -> list[Cluster]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from igrip.objects.stable_poses import StablePoses
 from igrip.perception.registration.align import Annealing, Resting, align
 from igrip.perception.registration.clusters import Cluster
 from igrip.perception.registration.initial_poses import initial_poses
@@ -24,7 +23,9 @@ from igrip.rgbd import Array
 
 FEW, MANY = 120, 400  # points of a cluster used to choose among starts, and to fit
 TOO_HIGH, TOO_LOW = 0.03, 0.06  # the top of a cluster over and under that of the shape [m]; guess
+TOO_WIDE = 0.02  # two thirds of a cluster beyond the width of the shape [m]; guess
 MAX_STARTS = 3  # that are fitted to the end
+UNLIKELY = 0.3  # if no start has such a score, only the best is fitted to the end; docs/poses.md
 MIN_VISIBLE = 0.35  # with a lesser share visible the score falls; guess
 REST_WEIGHT = 0.03  # of resting, in shares of the points: meshes err, too; guess
 CORRELATED = 30.0  # points whose errors are one error, as stereo's are over a few pixels; guess
@@ -81,22 +82,25 @@ class SearchContext:
 def fit_to_cluster(shape: Shape, cluster: Cluster, context: SearchContext) -> list[PoseFit]:
     """Fit a shape that rests on the table to a cluster; the best first.
 
-    Ways of resting that are higher or lower than the cluster are left out.
+    Ways of resting that are higher or lower than the cluster are left out, and narrower ones.
     """
     view, surface, ways = context.view, shape.surface, shape.stable_poses
-    tops = ways.heights + np.array([(surface.points @ R[2]).max() for R in ways.rotations])
-    some = np.flatnonzero((cluster.top < tops + TOO_HIGH) & (cluster.top > tops - TOO_LOW))
+    spots = (surface.points - surface.centre) @ ways.rotations.transpose(0, 2, 1)  # (k, n, 3)
+    tops = ways.heights + ways.rotations[:, 2] @ surface.centre + spots[..., 2].max(axis=1)
+    widths = 2.0 * np.linalg.norm(spots[..., :2], axis=2).max(axis=1)
+    right_height = (cluster.top < tops + TOO_HIGH) & (cluster.top > tops - TOO_LOW)
+    some = np.flatnonzero(right_height & (cluster.width < widths + TOO_WIDE))
     if not len(some):
         return []
-    ways = StablePoses(ways.rotations[some], ways.heights[some], ways.probabilities[some])
+    starts = shape.starts[np.isin(shape.starts[:, 0], some)]
     few = _subset(len(cluster.points), FEW, context.random)
-    starts = initial_poses(
-        cluster.points[few], cluster.depths[few], ways,
+    settled = initial_poses(
+        cluster.points[few], cluster.depths[few], ways, starts,
         surface._replace(points=surface.points[::2].copy(), normals=surface.normals[::2].copy()),
         view._replace(tolerance=2.0 * view.tolerance),
     )  # fmt: skip
     fits = []
-    for start in starts:
+    for start in settled:
         up = ways.rotations[start.way, 2]
         height = float(ways.heights[start.way] + up @ surface.centre)
         resting = Resting(up, height, REST_WEIGHT)
@@ -105,7 +109,7 @@ def fit_to_cluster(shape: Shape, cluster: Cluster, context: SearchContext) -> li
     many = _subset(len(cluster.points), MANY, context.random)
     best = [
         refit(fit, cluster.points[many], cluster.depths[many], view, SEARCH)
-        for fit in _distinct(fits)
+        for fit in (_distinct(fits) if fits[0].score >= UNLIKELY else fits[:1])
     ]
     return sorted(best, key=lambda fit: -fit.score)
 

@@ -8,18 +8,20 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from igrip.compiled import cache_directory
 from igrip.objects.array_cache import read_arrays, sources_digest, write_arrays
 from igrip.objects.model import ObjectModel
 from igrip.objects.stable_poses import StablePoses, stable_poses
+from igrip.perception.registration.distinct_starts import TURNS, distinct_starts
 from igrip.perception.registration.signed_distance import SignedDistanceField, signed_distance_field
 from igrip.rgbd import Array
 
 MAX_POINTS = 400  # on a surface; those too near to another are left out
 _DERIVED_BY = (
     "perception/registration/shape.py", "perception/registration/signed_distance.py",
-    "objects/stable_poses.py",
+    "perception/registration/distinct_starts.py", "objects/stable_poses.py",
 )  # fmt: skip
 
 
@@ -43,6 +45,7 @@ class Shape(NamedTuple):
     surface: Surface
     stable_poses: StablePoses
     axes: Array  # (3, 3), of the object frame, as columns
+    starts: NDArray[np.int64]  # (k, 2), ways of resting and turns that a search tries
 
 
 def shape_of(model: ObjectModel) -> Shape:
@@ -54,12 +57,15 @@ def shape_of(model: ObjectModel) -> Shape:
     shape = _read(path, model)
     if shape is None:
         shape = derive_shape(model)
+        points, centre, field = shape.surface.points[::2], shape.surface.centre, shape.surface.field
+        starts = distinct_starts(points, centre, field, shape.stable_poses)
+        shape = shape._replace(starts=starts)
         _write(path, shape)
     return shape
 
 
 def derive_shape(model: ObjectModel) -> Shape:
-    """Derive the shape of a model; nothing is kept on disk."""
+    """Derive the shape of a model; nothing is kept on disk, and all starts count as distinct."""
     mesh = trimesh.Trimesh(model.vertices, model.faces, process=False)
     points, faces = trimesh.sample.sample_surface_even(mesh, MAX_POINTS, seed=0)
     surface = Surface(
@@ -67,7 +73,8 @@ def derive_shape(model: ObjectModel) -> Shape:
         np.asarray(mesh.face_normals[faces]), model.sphere[:3].copy(), float(model.sphere[3]),
     )  # fmt: skip
     ways = stable_poses(model.vertices, model.centre)
-    return Shape(model.name, surface, ways, model.mesh_from_object[:3, :3].copy())
+    starts = np.array(list(np.ndindex(len(ways.heights), len(TURNS))), dtype=np.int64)
+    return Shape(model.name, surface, ways, model.mesh_from_object[:3, :3].copy(), starts)
 
 
 def _read(path: Path, model: ObjectModel) -> Shape | None:
@@ -83,7 +90,7 @@ def _read(path: Path, model: ObjectModel) -> Shape | None:
                 float(stored["radius"]),
             ),
             StablePoses(stored["rotations"], stored["heights"], stored["probabilities"]),
-            stored["axes"],
+            stored["axes"], stored["starts"],
         )  # fmt: skip
     except (KeyError, TypeError):
         return None  # it is derived again
@@ -92,7 +99,7 @@ def _read(path: Path, model: ObjectModel) -> Shape | None:
 def _write(path: Path, shape: Shape) -> None:
     arrays = {
         **shape.surface._asdict(), **shape.surface.field._asdict(),
-        **shape.stable_poses._asdict(), "axes": shape.axes,
+        **shape.stable_poses._asdict(), "axes": shape.axes, "starts": shape.starts,
     }  # fmt: skip
     del arrays["field"]
     write_arrays(path, arrays)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -30,13 +30,13 @@ class _Candidate(NamedTuple):
     on: NDArray[np.bool_]
 
 
-def split_cluster(
+def split_steps(
     cluster: Cluster, wanted: Mapping[str, Shape], context: SearchContext
-) -> dict[str, PoseFit]:
+) -> Generator[int, None, dict[str, PoseFit]]:
     """Explain a cluster by two objects or more; by none, if they leave much of it unexplained.
 
     A single object is never found so: a part of something unknown often looks like something
-    known. For the parameters see :func:`igrip.perception.registration.search.find_objects`.
+    known. For the parameters see :func:`igrip.perception.registration.search.search_steps`.
     """
     shapes = {shape.name: shape for shape in wanted.values()}
     candidates: list[_Candidate] = []
@@ -48,8 +48,9 @@ def split_cluster(
                 continue
             part = cluster.part(own)
             for shape in shapes.values():
-                for fit in fit_to_cluster(shape, part, context)[:1]:
-                    candidates.append(_candidate(fit, cluster, context))
+                best = fit_to_cluster(shape, part, context)[:1]
+                candidates += [_candidate(fit, cluster, context) for fit in best]
+                yield len(shape.starts) if best else 0
     candidates.sort(key=lambda candidate: -candidate.score)
     left = dict(wanted)
     found: dict[str, PoseFit] = {}

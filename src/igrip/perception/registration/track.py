@@ -1,7 +1,8 @@
 """Follow one object from frame to frame: visible and fitted, hidden and kept, or gone.
 
 An object is hidden where something nearer covers it: it keeps its pose, and the time when it was
-last visible. It is gone where farther surfaces are measured in its place.
+last visible. It is gone where farther surfaces are measured in its place. What a hand holds moves
+with the hand, visible or not.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from igrip.perception.registration.align import Annealing
 from igrip.perception.registration.crop import GATE, points_near
 from igrip.perception.registration.fit import PoseFit, rated, refit
+from igrip.perception.registration.hand_motion import MovingHand
 from igrip.perception.registration.view import DepthView
 from igrip.rgbd import Array
 
@@ -28,6 +30,16 @@ MIN_VISIBLE = 0.25  # share of its side that must be visible; guess
 MIN_AGREEMENT = 0.6  # of what is visible with where it is; guess
 COVERED = 0.2  # a share hidden beyond that at the start: it is not moved if it still fits; guess
 SEEN_THROUGH = 0.35  # share measured behind it, for it not to be there; guess
+MAX_GONE_HELD = 10  # the same of what a hand holds; guess
+MOVES = 0.05  # of a hand that does not rest [m/s]; guess
+WELL = 0.35  # share of its side that must be visible to say that it slips in the hand; guess
+BARELY = 0.18  # and with less of what moves with a hand it is not visible; guess
+SLIPS = 0.025  # if less than WELL is visible, it does not slip farther [m]; guess
+LATE = 0.03  # s by which landmarks of hands may be late; guess
+MIN_TAKEN = 0.01  # what is hidden goes with the hand that rested at it from here on [m]; guess
+MORE = 0.04  # share of its side by which evidence must be better for it to have moved; guess
+ALONG, ASIDE = 0.3, 0.5  # what begins to move with a hand goes so far along, and aside; guess
+JITTER = 0.006  # of a fit [m]; guess
 MAX_GONE = 2  # frames in a row before it is given up: a depth picture may flicker
 LIFTED = 0.015  # so far from where it rested it rests no more [m]
 MIN_UPRIGHT = np.cos(np.radians(10.0))  # nor if it leans more
@@ -44,34 +56,96 @@ class DepthTrack:
     state: State = "visible"  # in the newest frame
     gone_for: int = 0  # frames in a row in which it seemed gone
     velocity: Array = field(default_factory=lambda: np.zeros(3))  # of its centre [m/s]
+    carried: bool = False  # whether it moved with the hand that is at it
+    led: Array = field(default_factory=lambda: np.zeros(3))  # way of the hand since it rested [m]
+    sure: Array | None = None  # its centre when it was well visible, carried on with the hand [m]
+    grasped: bool = False  # whether that hand has rested at it
+    left: PoseFit | None = None  # where it was before it moved unseen with the hand
 
-    def update(self, view: DepthView, t: float) -> DepthTrack:
-        """Return the track after a frame of time ``t`` [s]."""
+    def update(self, view: DepthView, t: float, hand: MovingHand | None = None) -> DepthTrack:
+        """Return the track after a frame of time ``t`` [s]; ``hand`` is the one that is at it."""
         here = rated(self.fit, view)
         agrees = _agrees(here)
-        if agrees and here.hidden > self.hidden + COVERED:
+        moves = hand is not None and (self.carried or hand.speed > MOVES)
+        before = self._led(hand)
+        if agrees and here.hidden > self.hidden + COVERED and not moves:
             # a hand or an arm is in front: the part of it that is visible has not moved
-            return self._visible(here, t)
-        best = self._best_fit(here, view, t)
+            return before._visible(here, t, hand)
+        best = self._best_fit(here, view, t, hand if moves else None)
+        if best is not None and hand is not None and moves:
+            likely = before._is_likely(best, here if agrees else None, hand)
+            best = best if likely else None
         if best is not None:
             best = replace(best, resting=self.fit.resting)
-            return replace(self._visible(best, t), velocity=self._velocity_to(best, t))
-        if agrees:
-            return self._visible(here, t)
-        share = here.visibility
-        if share.through > SEEN_THROUGH and share.through > share.match:
-            gone_for = self.gone_for + 1
-            state: State = "gone" if gone_for >= MAX_GONE else "hidden"
-            return replace(self, state=state, gone_for=gone_for)
-        return replace(self, state="hidden", gone_for=0)
+            moved = float(np.linalg.norm(best.centre - self.fit.centre)) > MIN_SHIFT
+            seen = before._visible(best, t, hand)
+            carried = hand is not None and (self.carried or (moves and moved))
+            return replace(seen, velocity=self._velocity_to(best, t), carried=carried)
+        if agrees and not self.carried:
+            return before._visible(here, t, hand)
+        return before._unseen(here, view, hand)
 
-    def _visible(self, fit: PoseFit, t: float) -> DepthTrack:
-        return replace(self, fit=fit, t=t, state="visible", gone_for=0)
+    def _led(self, hand: MovingHand | None) -> DepthTrack:
+        """Return the track with the way of the hand at it, since that rested."""
+        if hand is None:
+            return replace(self, led=np.zeros(3), sure=None, carried=False, grasped=False)
+        if hand.speed > MOVES:
+            sure = None if self.sure is None else self.sure + hand.shift
+            return replace(self, led=self.led + hand.shift, sure=sure)
+        carried = self.carried and not _rests(self.fit)
+        return replace(self, led=np.zeros(3), carried=carried, grasped=True)
 
-    def _best_fit(self, here: PoseFit, view: DepthView, t: float) -> PoseFit | None:
+    def _is_likely(self, fit: PoseFit, here: PoseFit | None, hand: MovingHand) -> bool:
+        """Whether a fit beside a moving hand is the object, not the hand.
+
+        ``here`` is where it was, if that agrees, too.
+        """
+        if self.carried:
+            if self.sure is None or fit.visibility.match >= WELL:
+                return True
+            slipped = float(np.linalg.norm(fit.centre - self.sure))
+            return fit.visibility.match >= BARELY and slipped < SLIPS + LATE * hand.speed
+        if here is not None and _evidence(fit) < _evidence(here) + MORE:
+            return False
+        way = fit.centre - self.fit.centre
+        share = float(way @ hand.shift) / max(float(hand.shift @ hand.shift), 1e-9)
+        aside = float(np.linalg.norm(way - share * hand.shift))
+        return share > ALONG and aside < ASIDE * float(np.linalg.norm(hand.shift)) + JITTER
+
+    def _unseen(self, here: PoseFit, view: DepthView, hand: MovingHand | None) -> DepthTrack:
+        """Return the track after a frame in which it was not found."""
+        kept = self
+        if hand is not None:
+            shift = hand.shift if self.carried else self.led
+            pose = here.pose._replace(translation=here.pose.translation + shift)
+            there = rated(replace(here, pose=pose), view)
+            taken = self.grasped and float(np.linalg.norm(shift)) > MIN_TAKEN
+            empty = here.visibility.through > there.visibility.through + MORE
+            if self.carried or taken or empty:
+                sure = self.sure if self.carried and self.sure is not None else there.centre
+                left = self.left if self.carried else here
+                kept = replace(self, carried=True, fit=there, led=np.zeros(3), sure=sure, left=left)
+                here = there
+        if not _is_seen_through(here):
+            return replace(kept, state="hidden", gone_for=0)
+        gone_for = self.gone_for + 1
+        limit = MAX_GONE_HELD if kept.carried else MAX_GONE
+        return replace(kept, state="gone" if gone_for >= limit else "hidden", gone_for=gone_for)
+
+    def _visible(self, fit: PoseFit, t: float, hand: MovingHand | None) -> DepthTrack:
+        sure = self.sure
+        if hand is None or not (self.carried or hand.speed <= MOVES):
+            sure = None  # a hand that comes or goes holds nothing
+        elif sure is None or fit.visibility.match >= WELL:
+            sure = fit.centre
+        return replace(self, fit=fit, t=t, state="visible", gone_for=0, sure=sure, left=None)
+
+    def _best_fit(
+        self, here: PoseFit, view: DepthView, t: float, hand: MovingHand | None
+    ) -> PoseFit | None:
         """Return the best fit that agrees, from where it was or would be by now."""
         best: PoseFit | None = None
-        for start in self._starts(here, t):
+        for start in self._starts(here, t, hand):
             points, depths = points_near(view, start.pose, start.shape.surface, POINTS)
             if len(points) >= MIN_POINTS:
                 fit = refit(start, points, depths, view, ANNEALING)
@@ -82,16 +156,18 @@ class DepthTrack:
                 break  # as good as before: no need to look further
         return best
 
-    def _starts(self, here: PoseFit, t: float) -> list[PoseFit]:
+    def _starts(self, here: PoseFit, t: float, hand: MovingHand | None) -> list[PoseFit]:
         """Return where it was, resting and free, and where it would be by now."""
-        starts = [here] if _rests(here) else []
         free = replace(here, resting=here.resting._replace(weight=0.0))
-        shift = self.velocity * min(max(t - self.t, 0.0), MAX_LOOK_AHEAD)
-        if np.linalg.norm(shift) > MIN_SHIFT:
-            pose = here.pose._replace(translation=here.pose.translation + shift)
-            starts.append(replace(free, pose=pose))
+        starts = [here] if _rests(here) and not self.carried else []
+        shifts = [] if hand is None else [hand.shift]
+        shifts.append(self.velocity * min(max(t - self.t, 0.0), MAX_LOOK_AHEAD))
+        for shift in shifts:
+            if np.linalg.norm(shift) > MIN_SHIFT:
+                pose = here.pose._replace(translation=here.pose.translation + shift)
+                starts.append(replace(free, pose=pose))
         starts.append(free)
-        return starts
+        return starts if self.left is None else [*starts, self.left]
 
     def _velocity_to(self, fit: PoseFit, t: float) -> Array:
         """Return the velocity of the centre after a new fit [m/s]."""
@@ -106,6 +182,16 @@ def _agrees(fit: PoseFit) -> bool:
     open_share = 1.0 - fit.visibility.hidden - fit.visibility.outside
     visible = fit.visibility.match >= MIN_VISIBLE * max(open_share, 0.5)
     return visible and fit.agreement >= MIN_AGREEMENT
+
+
+def _is_seen_through(fit: PoseFit) -> bool:
+    share = fit.visibility
+    return share.through > SEEN_THROUGH and share.through > share.match
+
+
+def _evidence(fit: PoseFit) -> float:
+    """Return which share of its side speaks for a fit, less what speaks against it."""
+    return fit.visibility.fit - fit.visibility.through
 
 
 def _rests(fit: PoseFit) -> bool:

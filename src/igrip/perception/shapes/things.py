@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from igrip.perception.registration.fit import PoseFit, refit
+from igrip.perception.registration.hand_motion import HandMotion, Holders, MovingHand
 from igrip.perception.registration.rigid_pose import RigidPose
 from igrip.perception.registration.shape import derive_shape
 from igrip.perception.registration.table import Table
@@ -75,6 +76,7 @@ class Things:
         self._memory, self._names, self._options = memory, names, options
         self._random = random
         self._average = DepthAverage()
+        self._hands, self._holders = HandMotion(), Holders()
         self._pending: list[_Pending] = []
         self._searched: float | None = None
         self._reach = (options.min_depth, options.max_depth)
@@ -91,7 +93,7 @@ class Things:
         view = depth_view(frame, hands, self.table.plane, self._options.tolerance)
         table_from_world = inverse(self.table.world_from_table)
         fits = [replace(fit, pose=fit.pose.after(table_from_world)) for fit in known]
-        self._follow(view, frame.t)
+        self._follow(view.beside_hands(), frame.t, self._hands.update(view, hands, frame.t))
         self._give_up(view, frame.t, fits)
         elapsed = np.inf if self._searched is None else frame.t - self._searched
         if not 0.0 <= elapsed < self._options.search_interval:
@@ -107,9 +109,11 @@ class Things:
             self.followed[id] = replace(thing, track=replace(thing.track, fit=fit))
         self._pending, self._searched = [], None
 
-    def _follow(self, view: DepthView, t: float) -> None:
+    def _follow(self, view: DepthView, t: float, hands: Sequence[MovingHand]) -> None:
         for id, thing in list(self.followed.items()):
-            track = thing.track.update(view, t)
+            before = thing.track
+            hand = self._holders.hand_at(id, before.fit, before.state == "visible", hands)
+            track = before.update(view, t, hand)
             if track.state == "gone":
                 self._drop(id)
                 continue
@@ -289,4 +293,4 @@ def _under_hand(fit: PoseFit, view: DepthView) -> bool:
     height, width = view.mask.shape
     inside = ((pixels >= 0) & (pixels < (width, height))).all(axis=1)
     pixels = pixels[inside]
-    return bool(len(pixels) and view.mask[pixels[:, 1], pixels[:, 0]].mean() > 0.5)
+    return bool(len(pixels) and (view.mask[pixels[:, 1], pixels[:, 0]] > 0).mean() > 0.5)
