@@ -1,0 +1,149 @@
+"""What the estimator makes of two hands: the tables of docs/two-hands.md.
+
+python -m benchmarks.measure_two_hands            # passes, handovers, lifts, one hand to each
+python -m benchmarks.measure_two_hands --cost     # of one update, with two hands that contend
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+import igrip
+from igrip.intention import Intention
+from igrip.io.datasets.dataset import Trial
+from igrip.lab.evaluation.calibration import ReliabilityBins
+from igrip.lab.evaluation.trial_metrics import score_answers
+from igrip.lab.simulation.movement import draw_habits
+from igrip.lab.simulation.parameters import CohortParameters, cohort_parameters
+from igrip.lab.simulation.sensors import observe_scene, place_camera
+from igrip.lab.simulation.table import models_by_id
+from igrip.lab.simulation.two_hands import BOX, BOX_ID, KINDS, Reach, TwoHandsScene, draw_scene
+from igrip.observation import Observation
+
+COLUMNS = (
+    "kind", "reaches", "trials right", "40 %", "60 %", "85 %", "ECE", "committed", "right",
+    "leases on held", "of them", "lease after free",
+)  # fmt: skip
+
+
+class Recorded(NamedTuple):
+    """A scene, and what one camera saw of it."""
+
+    scene: TwoHandsScene
+    messages: list[Observation]
+
+
+class Answered(NamedTuple):
+    """One reach of a scene, and what became of it."""
+
+    kind: str
+    success: bool
+    right: Mapping[float, bool]  # at parts of the movement
+    stated: list[float]
+    correct: list[bool]
+    first: str | None  # target of the first lease until the end
+    target: str
+    held: int  # messages with a lease on what another hand holds
+    free: bool | None  # whether a lease on it came after it was free; None: it always was
+
+
+def parameters(clean: bool) -> CohortParameters:
+    """Return those of the cohort; ``clean``: nothing is lost, mislabelled or never found."""
+    cohort = cohort_parameters()
+    if not clean:
+        return cohort
+    none = dict.fromkeys(("lost", "swapped", "duplicated", "object_lost", "never_found"), 0.0)
+    return cohort.model_copy(update={"camera": cohort.camera.model_copy(update=none)})
+
+
+def record(kind: str, count: int, seed: int, clean: bool) -> Iterator[Recorded]:
+    """Yield so many scenes of a kind, each of another person."""
+    cohort = parameters(clean)
+    catalog = igrip.load_objects("ycb", BOX)
+    models = {**models_by_id(catalog), BOX_ID: catalog[BOX]}
+    for k in range(count):
+        random = np.random.default_rng([seed, KINDS.index(kind), k])
+        scene = draw_scene(kind, models, cohort, draw_habits(cohort.person, random), random)
+        camera = place_camera(cohort.camera, ("left", "right")[k % 2], random)
+        yield Recorded(scene, observe_scene(
+            scene.times, scene.palms, scene.table, camera, cohort.camera, random, scene.moving
+        ))  # fmt: skip
+
+
+def answer(one: Recorded, catalog: igrip.Catalog, config: igrip.Config) -> list[Answered]:
+    """Return what the estimator makes of each reach of a scene."""
+    estimator, intentions = igrip.Estimator(catalog, config), []
+    for message in one.messages:
+        intentions += estimator.update(message)
+    return [_answer(one.scene, reach, intentions) for reach in one.scene.reaches]
+
+
+def _answer(scene: TwoHandsScene, reach: Reach, intentions: list[Intention]) -> Answered:
+    trial = Trial("", hand=reach.hand, target=reach.target)
+    score = score_answers(trial, (reach.onset, reach.end), intentions)
+    own = [i for i in intentions if i.hand == reach.hand]
+    within = [i for i in own if reach.onset <= i.t <= reach.end]
+    leases = [i for i in own if i.commitment and i.t >= reach.onset - 0.5]
+    first = next((i.commitment.target for i in leases if i.t <= reach.end), None)
+    held = [i for i in own if i.commitment and scene.held_before(i.hand, i.commitment.target, i.t)]
+    released = [
+        h.until
+        for h in scene.holds
+        if h.object == reach.target and scene.held_before(reach.hand, h.object, h.until - 1e-6)
+    ]
+    free = None
+    if released:
+        free = any(i.commitment.target == reach.target and i.t >= released[0] for i in leases)
+    named = [i for i in within if i.probability and i.target]
+    return Answered(
+        scene.kind, bool(score["success"]),
+        {part: bool(score[f"right_at_{part:.0%}"]) for part in (0.4, 0.6, 0.85)},
+        [i.probability[i.target] for i in named], [i.target == reach.target for i in named],
+        first, reach.target, len(held), free,
+    )  # fmt: skip
+
+
+def row(kind: str, answered: list[Answered]) -> list[str]:
+    """Return the cells of a kind."""
+
+    def share(flags: list[bool]) -> str:
+        return f"{100 * np.mean(flags):.1f} %" if flags else "-"
+
+    stated = [p for a in answered for p in a.stated]
+    correct = [c for a in answered for c in a.correct]
+    committed = [a for a in answered if a.first is not None]
+    freed = [a.free for a in answered if a.free is not None]
+    return [
+        kind, str(len(answered)), share([a.success for a in answered]),
+        *(share([a.right[part] for a in answered]) for part in (0.4, 0.6, 0.85)),
+        f"{ReliabilityBins.of(stated, correct).calibration_error():.3f}",
+        share([a.first is not None for a in answered]),
+        share([a.first == a.target for a in committed]),
+        str(sum(a.held for a in answered)), share([a.held > 0 for a in answered]), share(freed),
+    ]  # fmt: skip
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=100, help="scenes of each kind")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--clean", action="store_true", help="nothing is lost or mislabelled")
+    parser.add_argument("--kinds", nargs="*", default=KINDS, choices=KINDS)
+    arguments = parser.parse_args()
+    catalog, config = igrip.load_objects("ycb", BOX), igrip.Config()
+    print(f"| {' | '.join(COLUMNS)} |\n|{' --- |' * len(COLUMNS)}")
+    for kind in arguments.kinds:
+        answered = [
+            a for one in record(kind, arguments.count, arguments.seed, arguments.clean)
+            for a in answer(one, catalog, config)
+        ]  # fmt: skip
+        print(f"| {' | '.join(row(kind, answered))} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
