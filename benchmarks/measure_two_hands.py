@@ -87,8 +87,8 @@ def _answer(scene: TwoHandsScene, reach: Reach, intentions: list[Intention]) -> 
     score = score_answers(trial, (reach.onset, reach.end), intentions)
     own = [i for i in intentions if i.hand == reach.hand]
     within = [i for i in own if reach.onset <= i.t <= reach.end]
-    leases = [i for i in own if i.commitment and i.t >= reach.onset - 0.5]
-    first = next((i.commitment.target for i in leases if i.t <= reach.end), None)
+    leases = [(i.t, i.commitment) for i in own if i.commitment and i.t >= reach.onset - 0.5]
+    first = next((lease.target for t, lease in leases if t <= reach.end), None)
     held = [i for i in own if i.commitment and scene.held_before(i.hand, i.commitment.target, i.t)]
     released = [
         h.until
@@ -97,12 +97,12 @@ def _answer(scene: TwoHandsScene, reach: Reach, intentions: list[Intention]) -> 
     ]
     free = None
     if released:
-        free = any(i.commitment.target == reach.target and i.t >= released[0] for i in leases)
-    named = [i for i in within if i.probability and i.target]
+        free = any(lease.target == reach.target and t >= released[0] for t, lease in leases)
+    named = [(i.probability[i.target], i.target) for i in within if i.probability and i.target]
     return Answered(
         scene.kind, bool(score["success"]),
         {part: bool(score[f"right_at_{part:.0%}"]) for part in (0.4, 0.6, 0.85)},
-        [i.probability[i.target] for i in named], [i.target == reach.target for i in named],
+        [p for p, _ in named], [target == reach.target for _, target in named],
         first, reach.target, len(held), free,
     )  # fmt: skip
 

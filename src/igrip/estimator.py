@@ -73,7 +73,7 @@ class Estimator:
         self._person = person
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
-        self._joint = JointTargets()
+        self._joint = JointTargets(self._new_targets)
         self._holding = Holding(
             config.commitment.holding_distance, config.commitment.release_margin
         )

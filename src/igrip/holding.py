@@ -1,8 +1,7 @@
 """Which hand holds which object, by what is seen: a held object moves along with its hand.
 
 An object is taken to be held by a hand from when both have made the same way, near each other, at
-two of its poses in a row. It stays held, at rest too, until the hand is seen away from it, or it
-moves without the hand. A hand that is not seen keeps what it holds until the object has stood still
+two of its poses in a row. It stays held, at rest too, until the hand is seen away from it. A hand that is not seen keeps what it holds until the object has stood still
 for as long as its path is remembered. A hand that rests at an object which nobody has moved is not
 known to hold it: it may steady it, or merely lie there.
 """
@@ -29,6 +28,7 @@ MAX_RATIO = 3.0  # of their lengths: poses of objects are late; guess
 LATE = 0.12  # s; an object is seen behind its hand by its way in this time, at most; guess
 STILL_WAY = 0.02  # m; an object with a shorter way in the window is still; guess
 TOGETHER = 0.3  # s; hands that began to hold an object within this hold it together; guess
+MIN_AWAY = 0.2  # s; poses of symmetric objects flip now and then, which moves them; guess
 MEMORY = 1.0  # s; of the places of a hand
 
 
@@ -40,6 +40,7 @@ class _Hold:
     seen_at: float  # time of the newest pose of the object that was judged [s]
     confirmed: bool = False
     offset: Array | None = None  # of the palm from the still object, (3,) [m]
+    away_since: float = math.nan  # from when on the palm is elsewhere beside it [s]
 
 
 @dataclass
@@ -171,28 +172,24 @@ class Holding:
                 if hold is None or not hold.confirmed:
                     continue
                 distance = float(hand.geometry.vertex[o])
-                if self._is_over(hold, hand.id, hand.motion, placed, distance):
+                if self._is_over(hold, hand.motion, placed, distance):
                     del self._holds[hand.id, placed.id]
 
-    def _is_over(
-        self, hold: _Hold, hand: str, motion: Motion, placed: PlacedObject, distance: float
-    ) -> bool:
-        way = np.zeros(3) if placed.path is None else _way(placed.path)
-        length = float(np.linalg.norm(way))
+    def _is_over(self, hold: _Hold, motion: Motion, placed: PlacedObject, distance: float) -> bool:
+        length = 0.0 if placed.path is None else float(np.linalg.norm(_way(placed.path)))
         if distance > self._near + self._margin + LATE * length / WINDOW:
             return True
         if length > STILL_WAY:
-            hold.offset = None
-            own = None if placed.path is None else self._way_of(hand, placed.path)
-            # it moves on, and the hand does not
-            return (
-                length > 2.0 * MIN_WAY and own is not None
-                and float(own @ way) < 0.25 * length * length
-            )  # fmt: skip
+            hold.offset, hold.away_since = None, math.nan
+            return False
         offset = motion.position - placed.centre
         if hold.offset is None:
             hold.offset = offset
-        return math.dist(offset, hold.offset) > self._margin
+        if math.dist(offset, hold.offset) <= self._margin:
+            hold.away_since = math.nan
+        elif math.isnan(hold.away_since):
+            hold.away_since = motion.t
+        return motion.t - hold.away_since >= MIN_AWAY
 
 
 def _way(path: Array) -> Array:
