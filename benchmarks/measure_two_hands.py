@@ -90,14 +90,9 @@ def _answer(scene: TwoHandsScene, reach: Reach, intentions: list[Intention]) -> 
     leases = [(i.t, i.commitment) for i in own if i.commitment and i.t >= reach.onset - 0.5]
     first = next((lease.target for t, lease in leases if t <= reach.end), None)
     held = [i for i in own if i.commitment and scene.held_before(i.hand, i.commitment.target, i.t)]
-    released = [
-        h.until
-        for h in scene.holds
-        if h.object == reach.target and scene.held_before(reach.hand, h.object, h.until - 1e-6)
-    ]
-    free = None
-    if released:
-        free = any(lease.target == reach.target and t >= released[0] for t, lease in leases)
+    free_at, free = scene.free_at(reach.hand, reach.target), None
+    if free_at is not None:
+        free = any(lease.target == reach.target and t >= free_at for t, lease in leases)
     named = [(i.probability[i.target], i.target) for i in within if i.probability and i.target]
     return Answered(
         scene.kind, bool(score["success"]),

@@ -1,9 +1,10 @@
 """Which hand holds which object, by what is seen: a held object moves along with its hand.
 
 An object is taken to be held by a hand from when both have made the same way, near each other, at
-two of its poses in a row. It stays held, at rest too, until the hand is seen away from it. A hand that is not seen keeps what it holds until the object has stood still
-for as long as its path is remembered. A hand that rests at an object which nobody has moved is not
-known to hold it: it may steady it, or merely lie there.
+two of its poses in a row. It stays held, at rest too, until the hand is seen away from it. A hand
+that is not seen keeps what it holds until the object has stood still for as long as its path is
+remembered. A hand that rests at an object which nobody has moved is not known to hold it: it may
+steady it, or merely lie there.
 """
 
 from __future__ import annotations

@@ -97,6 +97,14 @@ class TwoHandsScene:
             for h in self.holds
         )
 
+    def free_at(self, hand: str, object: str) -> float | None:
+        """Return when the last hand that held an object before this one lets go [s]; or None."""
+        until = [
+            h.until for h in self.holds
+            if h.object == object and self.held_before(hand, object, np.nextafter(h.until, 0.0))
+        ]  # fmt: skip
+        return max(until, default=None)
+
 
 class _Course:
     """A hand from rest through one movement after another."""
