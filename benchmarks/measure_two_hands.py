@@ -1,12 +1,13 @@
 """What the estimator makes of two hands: the tables of docs/two-hands.md.
 
 python -m benchmarks.measure_two_hands            # passes, handovers, lifts, one hand to each
-python -m benchmarks.measure_two_hands --cost     # of one update, with two hands that contend
+python -m benchmarks.measure_two_hands --cost     # of one update, beside one without two hands
 """
 
 from __future__ import annotations
 
 import argparse
+import time
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -122,15 +123,49 @@ def row(kind: str, answered: list[Answered]) -> list[str]:
     ]  # fmt: skip
 
 
+class _Apart(igrip.Estimator):
+    """The estimator without what it does about two hands."""
+
+    def __init__(self, catalog: igrip.Catalog, config: igrip.Config) -> None:
+        super().__init__(catalog, config)
+        self._joint.update = lambda hands, objects, followed: [  # type: ignore[method-assign]
+            hand.estimate for hand in hands
+        ]
+        self._holding.update = lambda *arguments: None  # type: ignore[method-assign]
+
+
+def cost(kind: str, seed: int, catalog: igrip.Catalog) -> list[str]:
+    """Return median times of an update with and without two hands [ms], and their ratio.
+
+    Both take turns, message by message, over the same scenes.
+    """
+    times: dict[type, list[float]] = {igrip.Estimator: [], _Apart: []}
+    for one in record(kind, 6, seed, clean=True):
+        estimators = [each(catalog, igrip.Config()) for each in times]
+        for number, message in enumerate(one.messages):
+            for estimator in estimators[:: 1 if number % 2 else -1]:
+                begin = time.perf_counter()
+                estimator.update(message)
+                times[type(estimator)].append(time.perf_counter() - begin)
+    joint, apart = (1000.0 * float(np.median(each)) for each in times.values())
+    return [kind, f"{joint:.2f} ms", f"{apart:.2f} ms", f"{joint / apart:.2f}"]
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=100, help="scenes of each kind")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--cost", action="store_true", help="measure the cost of an update")
     parser.add_argument("--clean", action="store_true", help="nothing is lost or mislabelled")
     parser.add_argument("--kinds", nargs="*", default=KINDS, choices=KINDS)
     arguments = parser.parse_args()
     catalog, config = igrip.load_objects("ycb", BOX), igrip.Config()
+    if arguments.cost:
+        print("| kind | update | without two hands | ratio |\n| --- | --- | --- | --- |")
+        for kind in arguments.kinds:
+            print(f"| {' | '.join(cost(kind, arguments.seed, catalog))} |", flush=True)
+        return
     print(f"| {' | '.join(COLUMNS)} |\n|{' --- |' * len(COLUMNS)}")
     for kind in arguments.kinds:
         answered = [
