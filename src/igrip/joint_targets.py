@@ -20,7 +20,7 @@ are, to the last bit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -34,6 +34,7 @@ from igrip.targets import HandEstimate, Scores, TargetEstimate, TargetsEstimator
 BOTH = 4.0  # of simultaneous reaches beside a wide thing, three in ten are for it; guess
 ALONE = 0.07  # one in thirty is of one hand alone; guess
 SIDE = 0.04  # m; radius of the side that a hand aims at; guess: as of things in one hand
+MIN_HINT = 0.01  # a pair is looked at where each hand alone believes at least so much; guess
 MIN_BELIEF = 0.05  # hands contend for what each believes to be its target at least so much; guess
 FULL_BELIEF = 0.15  # from here on the pair counts in full; between the two in part; guess
 MAX_AGE = 0.1  # s; an older estimate of another hand does not count; guess
@@ -43,15 +44,16 @@ _half_extents: WeakKeyDictionary[ObjectModel, Scores] = WeakKeyDictionary()
 
 def half_extents(model: ObjectModel) -> Scores:
     """Return half the edges of a model's box in its object frame, (3,) [m]."""
-    if model not in _half_extents:
+    known = _half_extents.get(model)
+    if known is None:
         points = model.vertices @ model.mesh_from_object[:3, :3]
-        _half_extents[model] = 0.5 * np.ptp(points, axis=0)
-    return _half_extents[model]
+        known = _half_extents[model] = 0.5 * np.ptp(points, axis=0)
+    return known
 
 
 def is_wide(model: ObjectModel) -> bool:
     """Return whether an object exceeds the opening of a hand in every direction."""
-    return bool(2.0 * half_extents(model).min() > MAX_OPENING)
+    return bool(2.0 * min(half_extents(model).tolist()) > MAX_OPENING)
 
 
 class JointTargets:
@@ -66,7 +68,7 @@ class JointTargets:
     def __init__(self, new_targets: Callable[[], TargetsEstimator]) -> None:
         self._new_targets = new_targets
         self._newest: dict[str, HandEstimate] = {}
-        self._within: dict[tuple[str, str], tuple[TargetsEstimator, TargetEstimate]] = {}
+        self._within: dict[tuple[str, str], TargetsEstimator] = {}
         self._ids: list[str] = []
 
     def update(
@@ -99,15 +101,20 @@ class JointTargets:
             self._within.clear()
             return estimates
         self._forget(followed, [placed.id for placed in objects])
-        seen = [hand for hand in hands if hand.estimate.probability is not None]
-        self._newest.update({hand.id: hand for hand in seen})
-        for hand in seen:
-            for other in self._others(hand):
-                self._look_within(hand, other, wide)
-        for a, hand in enumerate(hands):
-            if hand.estimate.probability is not None and hand.motion.reach.moving:
-                estimates[a] = self._join(hand, wide)
-        return estimates
+        self._newest.update({h.id: h for h in hands if h.estimate.probability is not None})
+        pairs = [
+            (hand, other)
+            for hand in hands if hand.motion.reach.moving and hand.id in self._newest
+            for other in self._newest.values() if _may_contend(hand, other, wide)
+        ]  # fmt: skip
+        if not pairs:
+            return estimates
+        within: dict[tuple[str, str], TargetEstimate] = {}
+        for pair in pairs:
+            for hand, other in (pair, pair[::-1]):
+                if (hand.id, other.id) not in within:
+                    within[hand.id, other.id] = self._look_within(hand, other, wide)
+        return [_join(hand, within, wide) for hand in hands]
 
     def _forget(self, followed: Collection[str], ids: list[str]) -> None:
         """Forget hands that are not followed, and everything where there are other objects."""
@@ -119,41 +126,45 @@ class JointTargets:
             del self._newest[gone]
             self._within = {pair: one for pair, one in self._within.items() if gone not in pair}
 
-    def _others(self, hand: HandEstimate) -> list[HandEstimate]:
-        return [
-            other for other in self._newest.values()
-            if other.id != hand.id and hand.motion.t - other.motion.t <= MAX_AGE
-        ]  # fmt: skip
-
-    def _look_within(self, hand: HandEstimate, other: HandEstimate, wide: Sequence[int]) -> None:
+    def _look_within(
+        self, hand: HandEstimate, other: HandEstimate, wide: Sequence[int]
+    ) -> TargetEstimate:
         """Estimate the target of a hand as part of a pair."""
         pair = hand.id, other.id
-        known = self._within.get(pair)
-        estimator = known[0] if known else self._new_targets()
-        geometry = _with_sides(hand, other, wide)
-        self._within[pair] = estimator, estimator.update(hand.motion, geometry, {})
+        if pair not in self._within:
+            self._within[pair] = self._new_targets()
+        return self._within[pair].update(hand.motion, _with_sides(hand, other, wide), {})
 
-    def _join(self, hand: HandEstimate, wide: Sequence[int]) -> TargetEstimate:
-        """Return the estimate of a hand, joined to that of another where the two contend.
 
-        They contend for what the other still moves to, or has arrived at.
-        """
-        best: tuple[float, int, Scores, Scores] | None = None
-        for other in self._others(hand):
-            own, theirs = self._within[hand.id, other.id], self._within.get((other.id, hand.id))
-            p, q = own[1].probability, theirs[1].probability if theirs else None
-            if p is None or q is None:
-                continue
-            for o in wide:
-                belief = float(min(p[o], q[o]))
-                meets = other.motion.reach.moving or q[o] > q[-1]
-                if meets and belief > MIN_BELIEF and (best is None or belief > best[0]):
-                    best = belief, o, p, q
-        if best is None:
-            return hand.estimate
-        belief, o, p, q = best
-        strength = min(1.0, (belief - MIN_BELIEF) / (FULL_BELIEF - MIN_BELIEF))
-        return _mixed(hand.estimate, joint_marginal(p, float(q[o]), o), strength)
+def _may_contend(hand: HandEstimate, other: HandEstimate, wide: Sequence[int]) -> bool:
+    """Return whether a pair is worth a look: the other moves to, or is at, what both may take."""
+    p, q = hand.estimate.probability, other.estimate.probability
+    if p is None or q is None or other.id == hand.id or hand.motion.t - other.motion.t > MAX_AGE:
+        return False
+    moving = other.motion.reach.moving
+    return any(min(p[o], q[o]) > MIN_HINT and (moving or q[o] > q[-1]) for o in wide)
+
+
+def _join(
+    hand: HandEstimate, within: Mapping[tuple[str, str], TargetEstimate], wide: Sequence[int]
+) -> TargetEstimate:
+    """Return the estimate of a hand, joined to that of another where the two contend."""
+    best: tuple[float, int, Scores, Scores] | None = None
+    for (id, other), estimate in within.items():
+        if id != hand.id or not hand.motion.reach.moving:
+            continue
+        p, q = estimate.probability, within[other, id].probability
+        if p is None or q is None:
+            continue
+        for o in wide:
+            belief = float(min(p[o], q[o]))
+            if belief > MIN_BELIEF and (best is None or belief > best[0]):
+                best = belief, o, p, q
+    if best is None:
+        return hand.estimate
+    belief, o, p, q = best
+    strength = min(1.0, (belief - MIN_BELIEF) / (FULL_BELIEF - MIN_BELIEF))
+    return _mixed(hand.estimate, joint_marginal(p, float(q[o]), o), strength)
 
 
 def joint_marginal(probability: Scores, q: float, o: int) -> Scores:
@@ -189,15 +200,13 @@ def _with_sides(hand: HandEstimate, other: HandEstimate, wide: Sequence[int]) ->
     distance = float(np.linalg.norm(apart))
     if distance < SIDE:
         return geometry
-    rows = cylinders.rows.copy()
+    sides = Cylinders(cylinders.rows.copy(), cylinders.paths)
     for o in wide:
         placed = geometry.objects[o]
         along = (placed.rotation @ placed.model.mesh_from_object[:3, :3]).T @ apart / distance
-        edge = float((half_extents(placed.model) / np.maximum(np.abs(along), 1e-9)).min())
-        side = cylinders.centre[o] + (edge - SIDE) * apart / distance
-        rows[o] = Cylinders.of(
-            side[None], cylinders.axis[o][None], np.array([SIDE]), np.array([SIDE]),
-            np.zeros((1, 3)),
-        ).rows[0]  # fmt: skip
-    sides = Cylinders(rows, cylinders.paths)
+        half = half_extents(placed.model).tolist()
+        edge = min(h / max(abs(part), 1e-9) for h, part in zip(half, along.tolist(), strict=True))
+        sides.centre[o] += (edge - SIDE) / distance * apart
+        sides.half_length[o] = sides.radius[o] = SIDE
+        sides.velocity[o] = 0.0
     return geometry._replace(cylinders=lambda: sides)
