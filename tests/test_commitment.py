@@ -242,3 +242,88 @@ def test_a_movement_that_turns_strange_loses_its_lease():
     assert committer.update(evidence(0.1, likely, familiarity=0.5)) is not None
     assert committer.update(evidence(0.13, likely, familiarity=0.2)) is not None
     assert committer.update(evidence(0.16, likely, familiarity=0.0)) is None
+
+
+def approach(committer, begin, end, **changed):
+    """Return the leases of a hand that is sure of the cup, 30 times a second."""
+    times = [begin + k / 30.0 for k in range(round((end - begin) * 30.0))]
+    return [committer.update(evidence(t, **changed)) for t in times]
+
+
+HELD = {"held": {"cup": "left"}}
+AT_IT = {"distances": {"cup": 0.05, "jug": 0.5}}
+
+
+def test_what_another_hand_holds_gets_no_lease_and_the_reason_says_who():
+    committer = Committer(PLAIN)
+    assert not any(approach(committer, 0.0, 1.0, **HELD))
+    assert committer.refused_because == "cup is held by left"
+    assert committer.update(evidence(1.1)) is None  # free again: the dwell begins
+    assert any(approach(committer, 1.2, 1.6))
+    assert committer.refused_because is None
+
+
+def test_another_object_than_the_held_one_may_be_committed_to():
+    committer = Committer(PLAIN)
+    assert any(approach(committer, 0.0, 1.0, held={"jug": "left"}))
+
+
+def test_a_lease_ends_when_another_hand_takes_the_object():
+    committer = Committer(PLAIN)
+    t = committed(committer)
+    assert committer.update(evidence(t + 0.03, **HELD)) is None
+    holder = Committer(PLAIN)
+    t = holding(holder)
+    gone = evidence(t + 0.03, moving=False, **HELD, **AT_IT)
+    assert holder.update(gone) is None
+
+
+def test_the_refused_lease_begins_when_the_object_is_free_and_the_hand_at_it():
+    committer = Committer(PLAIN)
+    assert not any(approach(committer, 0.0, 1.0, **HELD))
+    waits = {"confidence": {"cup": 0.4, "jug": 0.1}, "moving": False, **AT_IT}
+    assert not any(approach(committer, 1.0, 1.5, **HELD, **waits))
+    lease = committer.update(evidence(1.5, **waits))
+    assert lease is not None
+    assert (lease.target, lease.since) == ("cup", 1.5)
+    assert committer.state == "holding"
+    # it takes the object away
+    away = evidence(1.55, carried=["cup"], **AT_IT)
+    assert committer.update(away) is not None
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"distances": {"cup": 0.3, "jug": 0.5}},  # not at it
+        {"moving": True, "target": "jug"},  # on its way to something else
+        {"carried": ["jug"], "distances": {"cup": 0.05, "jug": 0.05}},  # its hand is full
+        {"trusted_objects": {"jug"}},  # nobody sees it
+    ],
+)
+def test_the_refused_lease_does_not_begin_otherwise(changed):
+    committer = Committer(PLAIN)
+    approach(committer, 0.0, 1.0, **HELD, **AT_IT)
+    unsure = {"confidence": {"cup": 0.4, "jug": 0.1}, "moving": False, **AT_IT}
+    assert committer.update(evidence(1.0, **(unsure | changed))) is None
+
+
+def test_who_waits_too_long_or_vetoes_gets_nothing():
+    rest = {"confidence": {"cup": 0.4, "jug": 0.1}, "moving": False, **AT_IT}
+    patient = Committer(PLAIN)
+    approach(patient, 0.0, 1.0, **HELD)
+    approach(patient, 1.0, 1.0 + PLAIN.max_wait + 0.1, **HELD, **rest)
+    assert patient.update(evidence(1.1 + PLAIN.max_wait, **rest)) is None
+    vetoed = Committer(PLAIN)
+    approach(vetoed, 0.0, 1.0, **HELD)
+    vetoed.veto()
+    assert vetoed.update(evidence(1.1, **rest)) is None
+
+
+def test_a_refused_lease_must_be_confirmed_where_every_lease_must():
+    rest = {"confidence": {"cup": 0.4, "jug": 0.1}, "moving": False, **AT_IT}
+    committer = Committer(CommitmentConfig(reliability=0.5, needs_confirmation=True))
+    approach(committer, 0.0, 1.0, **HELD)
+    assert committer.update(evidence(1.05, **rest)) is None
+    committer.confirm()
+    assert committer.update(evidence(1.1, **rest)) is not None

@@ -12,12 +12,15 @@ measurement. It is in one of four states::
 
 In COMMITTED and HOLDING each trusted measurement of the hand renews the lease while the target is
 trusted, too. Otherwise the lease pauses, and after ``max_pause`` it is lost.
+
+What another hand holds gets no lease. If it is let go while this hand is at it, the lease that was
+refused begins (docs/two-hands.md).
 """
 
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from igrip.adaptation import Person, ReachLearner
 from igrip.commitment_config import ALL_HANDS, MAX_RAISED, CommitmentConfig
@@ -28,6 +31,21 @@ from igrip.intention import Commitment
 __all__ = ["ALL_HANDS", "CommitmentConfig", "Committer", "Evidence", "State"]
 
 State = Literal["open", "earning", "committed", "holding"]
+
+
+class _Refused(NamedTuple):
+    """A lease that was earned, but not given: another hand holds the object."""
+
+    target: str
+    grip: str | None
+    holder: str
+    likely_at: float  # when the target was last likely enough [s]
+    at: float  # when the hand was last at it or likely on its way there [s]
+
+    @property
+    def reason(self) -> str:
+        """Why, as text."""
+        return f"{self.target} is held by {self.holder}"
 
 
 class Committer:
@@ -56,6 +74,7 @@ class Committer:
         )  # fmt: skip
         self._vetoed = False
         self._confirmed = False
+        self._refused: _Refused | None = None
         self._resting_since = self._updated_at = math.nan
         self._open()
 
@@ -78,12 +97,17 @@ class Committer:
         if self._learner is not None:
             self._learner.veto()
         self._open()
-        self._vetoed, self._confirmed = True, False
+        self._vetoed, self._confirmed, self._refused = True, False, None
         self._resting_since = math.nan
 
     def confirm(self) -> None:
         """Confirm the present reach from outside: no dwell is needed."""
         self._confirmed = True
+
+    @property
+    def refused_because(self) -> str | None:
+        """Why a likely target gets no lease, as text; None: it is not refused."""
+        return None if self._refused is None else self._refused.reason
 
     def reject(self) -> None:
         """Handle a measurement that cannot be trusted: the dwell starts anew."""
@@ -158,6 +182,8 @@ class Committer:
 
         A hand that carries an object is occupied: it gets no commitment.
         """
+        if self._refused is not None and self._wait(evidence, self._refused):
+            return
         config, target = self._config, evidence.target
         full = any(
             evidence.distances.get(id, math.inf) <= config.holding_distance
@@ -169,9 +195,16 @@ class Committer:
             and target in evidence.trusted_objects
             and evidence.confidence.get(target, 0.0) >= self._threshold(evidence)
         )  # fmt: skip
+        if likely and target in evidence.held:
+            assert target is not None
+            self._refused = _Refused(
+                target, evidence.grip, evidence.held[target], evidence.t, evidence.t
+            )
+            likely = False
         if not likely:
             self._open()
             return
+        self._refused = None
         if target != self.target:
             self._open()
             self.state, self.target, self._since = "earning", target, evidence.measured
@@ -181,10 +214,45 @@ class Committer:
             self.state, self._since, self._grip = "committed", evidence.t, evidence.grip
             self._confirmed = False  # the next reach must be confirmed again
 
+    def _wait(self, evidence: Evidence, refused: _Refused) -> bool:
+        """Give the lease that was refused once its object is free; return whether it was given.
+
+        The hand must be at the object, on no other way, and have nothing else in it. What was
+        refused is forgotten after ``max_pause`` away from the object, or ``max_wait`` at it.
+        """
+        config, id, now = self._config, refused.target, evidence.t
+        near = evidence.distances.get(id, math.inf) <= config.holding_distance
+        if near:
+            self._refused = refused = refused._replace(at=now)
+        if now - refused.at > config.max_pause or now - refused.likely_at > config.max_wait:
+            self._refused = None
+            return False
+        stays = not evidence.moving or evidence.target == id or id in evidence.carried
+        ready = (
+            near and stays and id not in evidence.held and id in evidence.trusted_objects
+            and not self._vetoed and all(
+                evidence.distances.get(other, math.inf) > config.holding_distance
+                for other in evidence.carried if other != id
+            )
+            and (self._confirmed or not config.needs_confirmation)
+        )  # fmt: skip
+        if not ready:
+            return False
+        self._open()
+        self._refused, self._confirmed = None, False
+        self.state, self.target, self._since = "committed", id, evidence.t
+        self._grip, self._valid_at = refused.grip, evidence.t
+        if not evidence.moving:
+            self.state, self._stop_position = "holding", evidence.position
+        return True
+
     def _keep(self, evidence: Evidence) -> None:
         """End a commitment or a hold that is over."""
         config = self._config
         assert self.target is not None
+        if self.target in evidence.held:  # another hand was faster, or has taken it over
+            self._open()
+            return
         distance = evidence.distances.get(self.target, math.inf)
         if self.state == "committed":
             if not evidence.moving:

@@ -60,6 +60,10 @@ class CommitmentConfig(Settings):
     veto_rest_duration: float = quantity(
         0.3, "s", "a trusted hand must rest this long to end a veto", "guess", ge=0
     )
+    max_wait: float = quantity(
+        3.0, "s", "a reach for what another hand holds waits at it for this long until it is free",
+        "guess", ge=0,
+    )  # fmt: skip
     holding_distance: float = quantity(
         0.12, "m", "a palm that stops this near to the surface of its target holds it", "guess",
         gt=0,

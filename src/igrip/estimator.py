@@ -16,12 +16,14 @@ from igrip.errors import IgripError
 from igrip.evidence import Evidence
 from igrip.geometry.scene import Geometry, PlacedObject, Scene
 from igrip.grips import GRIPS
+from igrip.holding import Holding
 from igrip.intention import Intention, Status
+from igrip.joint_targets import JointTargets
 from igrip.motion.hand_track import HandTrack
 from igrip.motion.trajectory import Motion
 from igrip.objects.catalog import Catalog
 from igrip.observation import Observation
-from igrip.targets import TARGETS, TargetEstimate, TargetsEstimator
+from igrip.targets import TARGETS, HandEstimate, Scores, TargetEstimate, TargetsEstimator
 from igrip.targets.learned.timing import Timing, default_timing
 from igrip.tracking import Tracker, TrustedObjects
 
@@ -71,6 +73,10 @@ class Estimator:
         self._person = person
         self._committers: dict[str, Committer] = {}
         self._evidence: dict[str, Evidence] = {}
+        self._joint = JointTargets(self._new_targets)
+        self._holding = Holding(
+            config.commitment.holding_distance, config.commitment.release_margin
+        )
         self._trusted_objects = TrustedObjects(self._tracker)
         self._rejected_hands: set[str] = set()
         self._latest: dict[str, Intention] = {}
@@ -98,11 +104,12 @@ class Estimator:
         objects, problems = self._tracker.placed_objects(), self._tracker.object_problems()
         hands = [(h, h.motion) for h in measured if h.motion is not None and h.is_followed]
         geometries = self._scene.measure([motion for _, motion in hands], objects)
+        seen = [(hand, m, g) for (hand, m), g in zip(hands, geometries, strict=True)]
         intentions = {}
         self._evidence.clear()
-        for (hand, motion), geometry in zip(hands, geometries, strict=True):
-            cues = {cue.name: cue.score(motion, geometry, self.config.cues) for cue in self._cues}
-            estimate = self._targets_of(hand).update(motion, geometry, cues)
+        for (hand, motion, geometry), (cues, estimate) in zip(
+            seen, self._estimate(seen, objects), strict=True
+        ):
             grip = self._grips.select(estimate, geometry, motion)
             target = None if estimate.target is None else objects[estimate.target]
             contact = None if target is None else self._scene.contact(motion, target)
@@ -197,6 +204,20 @@ class Estimator:
         """Return status, reason, age and counts of every hand and object, as plain data."""
         return self._tracker.summary()
 
+    def _estimate(
+        self, seen: list[tuple[HandTrack, Motion, Geometry]], objects: list[PlacedObject]
+    ) -> list[tuple[dict[str, Scores], TargetEstimate]]:
+        """Return cues and estimate of each hand; follow what hands hold, and who contends."""
+        scores, own = [], []
+        for hand, motion, geometry in seen:
+            cues = {cue.name: cue.score(motion, geometry, self.config.cues) for cue in self._cues}
+            estimate = self._targets_of(hand).update(motion, geometry, cues)
+            scores.append(cues)
+            own.append(HandEstimate(hand.id, motion, geometry, estimate))
+        followed = [id for id, hand in self._tracker.hands.items() if hand.is_followed]
+        self._holding.update(own, self._tracker.hands, followed)
+        return list(zip(scores, self._joint.update(own, objects, followed), strict=True))
+
     def _targets_of(self, hand: HandTrack) -> TargetsEstimator:
         """Return the estimator of a hand, a new one after each restart of its stream."""
         restarts = hand.gate.counts["restarts"]
@@ -217,6 +238,8 @@ class Estimator:
         """Return the intention with its lease, if there is one."""
         hand = results.hand
         evidence = build_evidence(results, intention, self._trusted_objects)
+        if held := self._holding.by_others(hand.id):
+            evidence = evidence._replace(held=held)
         self._evidence[hand.id] = evidence
         if not self.config.commitment.assists(hand.id):
             return intention
@@ -224,7 +247,10 @@ class Estimator:
         if committer is None:
             committer = self._committers[hand.id] = Committer(self.config.commitment, self._person)
         lease = committer.update(evidence)
-        return msgspec.structs.replace(intention, commitment=lease, status=self._status(hand))
+        reason = intention.reason or (None if lease else committer.refused_because)
+        return msgspec.structs.replace(
+            intention, commitment=lease, status=self._status(hand), reason=reason
+        )
 
     def _status(self, hand: HandTrack) -> Status:
         """Return the status of a hand; one that holds does so whether it rests or moves."""

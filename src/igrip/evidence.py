@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Container, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 from igrip.entities import Vector
@@ -38,6 +39,8 @@ class Evidence(NamedTuple):
         Objects that move along with the hand.
     familiarity : float or None
         Of the movement, from 0 (strange) to 1; None: not known.
+    held : mapping of str to str
+        Objects that another hand holds, and which (:mod:`igrip.holding`).
     """
 
     t: float
@@ -52,6 +55,7 @@ class Evidence(NamedTuple):
     distances: Mapping[str, float]
     carried: Collection[str] = ()
     familiarity: float | None = None
+    held: Mapping[str, str] = MappingProxyType({})
 
 
 def carried_objects(

@@ -1,4 +1,4 @@
-"""``igrip simulate``: the paper's experiment with simulated people, as a dataset."""
+"""``igrip simulate``: the paper's experiment, or scenes of two hands, with simulated people."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from igrip.cli.outputs import folder_option
 from igrip.lab.parallel import Workers
 from igrip.lab.simulation.cohort import simulate_cohort
 from igrip.lab.simulation.parameters import PROFILES, checksum, cohort_parameters
+from igrip.lab.simulation.two_hands_cohort import OBJECTS, simulate_two_hands
 from igrip.objects.catalog import load_objects
 
 KEPT = "what is done is kept; the same command goes on from there"
@@ -35,6 +36,14 @@ def simulate(
     trials: Annotated[
         int, typer.Option(help="Simulate only this many trials of each; 0: all 128.", min=0)
     ] = 0,
+    two_hands: Annotated[
+        bool,
+        typer.Option(
+            "--two-hands",
+            help="Instead: passes, handovers, two-handed lifts, and one hand to each of two "
+            "objects; 32 scenes of each person, or so many --trials.",
+        ),
+    ] = False,
     no_reach: Annotated[
         int, typer.Option(help="Minutes without a reach, one recording each.", min=0)
     ] = 30,
@@ -50,23 +59,28 @@ def simulate(
 
     Example: igrip simulate cohort --participants 11 --seed 0
     """
-    parameters, catalog = cohort_parameters(profile), load_objects("ycb")
-    done = 0
-    with interruptible(KEPT), progress(f"simulating {out.name}") as update:
-        for done, total in simulate_cohort(
-            out,
-            catalog,
-            parameters,
-            participants,
-            seed,
-            trials or None,
-            no_reach,
-            Workers(jobs, scheduler, cluster_page),
-        ):
+    parameters, done = cohort_parameters(profile), 0
+    workers = Workers(jobs, scheduler, cluster_page)
+    steps = (
+        simulate_two_hands(
+            out, load_objects(*OBJECTS), parameters, participants, seed, trials or None, workers
+        )
+        if two_hands
+        else simulate_cohort(
+            out, load_objects("ycb"), parameters, participants, seed, trials or None, no_reach,
+            workers,
+        )
+    )  # fmt: skip
+    kept = "nothing was kept" if two_hands else KEPT
+    with interruptible(kept), progress(f"simulating {out.name}") as update:
+        for done, total in steps:
             update(completed=done, total=total)
-    summary = {"recordings": done, "participants": participants, "profile": profile, "seed": seed,
-               "parameters": checksum(parameters)}  # fmt: skip
+    counted = "scenes" if two_hands else "recordings"
+    summary = {
+        counted: done, "participants": participants, "profile": profile, "seed": seed,
+        "parameters": checksum(parameters),
+    }  # fmt: skip
     if as_json:
         print_json(summary)
     else:
-        output.print(f"{out}: {done} recordings of {participants} participants ({profile})")
+        output.print(f"{out}: {done} {counted} of {participants} participants ({profile})")

@@ -38,6 +38,27 @@ class TargetEstimate(NamedTuple):
     familiarity: float | None = None
 
 
+class HandEstimate(NamedTuple):
+    """What is known of one hand after a frame, before hands are looked at together.
+
+    Attributes
+    ----------
+    id : str
+        Of the hand.
+    motion : Motion
+        Of the hand.
+    geometry : Geometry
+        The hand against every object.
+    estimate : TargetEstimate
+        Its own, as if there were no other hand.
+    """
+
+    id: str
+    motion: Motion
+    geometry: Geometry
+    estimate: TargetEstimate
+
+
 class TargetsEstimator(Protocol):
     """Estimates the target of one hand; may remember earlier frames."""
 
