@@ -22,7 +22,8 @@ from igrip.lab.simulation.movement import draw_habits
 from igrip.lab.simulation.parameters import CohortParameters, cohort_parameters
 from igrip.lab.simulation.sensors import observe_scene, place_camera
 from igrip.lab.simulation.table import models_by_id
-from igrip.lab.simulation.two_hands import BOX, BOX_ID, KINDS, Reach, TwoHandsScene, draw_scene
+from igrip.lab.simulation.two_hands import BOX, BOX_ID, KINDS, draw_scene
+from igrip.lab.simulation.two_hands_scene import Reach, TwoHandsScene
 from igrip.observation import Observation
 
 COLUMNS = (

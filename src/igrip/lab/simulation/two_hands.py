@@ -9,18 +9,18 @@ Goodman 1979, Science 203:1029-1031).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from igrip.lab.evaluation.movement import movement_bounds
 from igrip.lab.simulation.minimum_jerk import Array
-from igrip.lab.simulation.movement import Habits, SimulatedReach, draw_reach, sway, tremor
+from igrip.lab.simulation.movement import Habits, draw_reach, sway, tremor
 from igrip.lab.simulation.parameters import CohortParameters
 from igrip.lab.simulation.sensors import Poses
 from igrip.lab.simulation.table import Table, stand_at
+from igrip.lab.simulation.two_hands_scene import Course, Hold, Reach, TwoHandsScene
 from igrip.objects.model import ObjectModel
 from igrip.settings import Settings, quantity
 
@@ -59,73 +59,6 @@ class TwoHandsParameters(Settings):
     lift: float = quantity(0.18, "m", "height to which two hands lift", "guess", ge=0)
 
 
-class Reach(NamedTuple):
-    """What one hand reached for, and the bounds of that movement [s]."""
-
-    hand: str
-    target: str
-    onset: float
-    end: float
-
-
-class Hold(NamedTuple):
-    """From when to when a hand truly held an object [s]."""
-
-    hand: str
-    object: str
-    since: float
-    until: float
-
-
-@dataclass(frozen=True)
-class TwoHandsScene:
-    """What truly happened in one scene."""
-
-    kind: str
-    times: Array  # of the frames, (n,) [s]
-    palms: Mapping[str, Array]  # of every hand, (n, 3) [m]
-    table: Table
-    moving: Mapping[str, Poses]  # objects that do not rest
-    reaches: Sequence[Reach]
-    holds: Sequence[Hold]
-
-    def held_before(self, hand: str, object: str, t: float) -> bool:
-        """Return whether another hand holds an object at ``t`` [s], and did so before this one."""
-        own = min((h.since for h in self.holds if h[:2] == (hand, object)), default=math.inf)
-        return any(
-            h.object == object and h.hand != hand and h.since <= t < h.until and h.since < own
-            for h in self.holds
-        )
-
-    def free_at(self, hand: str, object: str) -> float | None:
-        """Return when the last hand that held an object before this one lets go [s]; or None."""
-        until = [
-            h.until for h in self.holds
-            if h.object == object and self.held_before(hand, object, np.nextafter(h.until, 0.0))
-        ]  # fmt: skip
-        return max(until, default=None)
-
-
-class _Course:
-    """A hand from rest through one movement after another."""
-
-    def __init__(self, start: Array) -> None:
-        self.start = start
-        self.parts: list[SimulatedReach] = []
-
-    def at(self, t: Array) -> Array:
-        """Return the palm at times (n,) [s], shape (n, 3) [m]."""
-        palm = np.tile(self.start, (len(t), 1))
-        for part in self.parts:
-            palm += part.position(t) - part.start
-        return palm
-
-    def point(self, t: float) -> Array:
-        """Return the palm at one time, shape (3,) [m]."""
-        place: Array = self.at(np.array([t]))[0]
-        return place
-
-
 class _Stage:
     """One scene in the making."""
 
@@ -137,7 +70,7 @@ class _Stage:
         self.random = random
         protocol = cohort.protocol
         self.courses = {
-            side: _Course(
+            side: Course(
                 np.array([sign * protocol.rest_aside, 0.0, protocol.rest_height])
                 + random.normal(0.0, 0.012, 3) * [1, 1, 0.3]
             )
@@ -311,7 +244,7 @@ def _pass(stage: _Stage, kind: str) -> float:
     receiver, giver = [list(SIDES)[k] for k in random.permutation(2)]
     if kind == "handover":
         giver = OTHER
-        stage.courses[OTHER] = _Course(random.uniform([-0.3, 0.8, 0.04], [0.3, 0.95, 0.15]))
+        stage.courses[OTHER] = Course(random.uniform([-0.3, 0.8, 0.04], [0.3, 0.95, 0.15]))
     others = [id for id in table.models if id != BOX_ID]
     id = others[int(random.integers(len(others)))]
     course = stage.courses[giver]
