@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from igrip.errors import IgripError
-from igrip.perception.arms.palm import FILE, arm_end, palm_model, read_palm
+from igrip.perception.arms.palm import FILE, TO_SKIN, arm_end, palm_model, read_palm
 from training.palm import SEEDS
 from training.worn_hands import KINDS, seen_arm
 
@@ -16,7 +16,8 @@ def test_the_palm_of_arms_that_were_not_learned_from():
     new = [arm for number in range(2 * len(KINDS)) for arm in seen_arm(number, SEEDS[0] + 1000)]
     for arm in new:
         end = arm_end(arm.points, arm.entry, arm.camera)
-        off.append(np.linalg.norm(end.palm - arm.palm))
+        to_camera = (arm.camera - arm.palm) / np.linalg.norm(arm.camera - arm.palm)
+        off.append(np.linalg.norm(end.palm - TO_SKIN * to_camera - arm.palm))
         stated.append(end.std)
         assert np.linalg.norm(end.along) == pytest.approx(1.0)
     assert len(off) > 40

@@ -18,6 +18,9 @@ from igrip.rgbd import Array
 
 FORMAT = "igrip-palm/1"
 FILE = Path(__file__).with_name("palm.json")
+# m; the palm is put so far from the middle of the hand, which the network learned, towards the
+# camera: other detectors measure the skin, and a hand has one place (docs/hands.md)
+TO_SKIN = 0.005
 MAX_INPUT = 3.0  # standardised inputs are bounded: other arms are not extrapolated to
 OUTPUTS = 3
 
@@ -102,5 +105,7 @@ def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:
     if shape is None:
         return None
     model = palm_model()
-    palm = shape.tip + model.palm(shape.inputs) @ shape.frame
+    middle = shape.tip + model.palm(shape.inputs) @ shape.frame
+    to_camera = (camera - middle) / np.linalg.norm(camera - middle)
+    palm = middle + TO_SKIN * to_camera
     return ArmEnd(palm, shape.tip, -shape.frame[0], float(model.std[0]))
