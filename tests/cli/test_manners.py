@@ -337,8 +337,12 @@ def test_ctrl_c_before_anything_was_done(folder, monkeypatch, command):
         "drive": "open_source", "export": "progress",
     }.get(command, "load_objects")  # fmt: skip
     opener = module
-    if not hasattr(module, first):  # the evaluation loads them itself
-        opener = importlib.import_module("igrip.lab.evaluation.evaluation")
+    if not hasattr(module, first):  # the evaluation and a study load them themselves
+        opener = importlib.import_module(
+            "igrip.experiment.folder"
+            if command == "experiment"
+            else "igrip.lab.evaluation.evaluation"
+        )
     monkeypatch.setattr(opener, first, interrupt)
     with restored_interrupts():
         code, output, lines = run(command, *ARGUMENTS[command])
