@@ -39,8 +39,8 @@ types: $(READY)  ## static types
 contract: $(READY)  ## the core imports nothing from the edges
 	$(BIN)/lint-imports
 
-unit: $(READY)  ## every test that is not slow, in two processes
-	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile
+unit: $(READY)  ## every test that is not slow, in two processes; what fails there again, alone
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile || $(BIN)/python -m pytest --last-failed
 
 hooks: $(READY)  ## check every commit with the tools of .venv
 	$(BIN)/pre-commit install

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -109,3 +110,10 @@ def test_a_hand_with_an_object_in_it_commits_to_no_other(shapes, carries):
         leases.append(intention.commitment)
     targets = {lease.target for lease in leases if lease is not None}
     assert ("box" in targets) == (not carries)
+
+
+def test_evidence_can_be_sent_to_another_process():
+    one = evidence(0.0)
+    assert pickle.loads(pickle.dumps(one)) == one
+    held = one._replace(held={"mug": "left"})
+    assert pickle.loads(pickle.dumps(held)).held == {"mug": "left"}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Container, Mapping, Sequence
-from types import MappingProxyType
 from typing import NamedTuple
 
 from igrip.entities import Vector
 
+NOTHING_HELD: Mapping[str, str] = {}  # no mapping proxy: evidence goes to other processes
 MIN_CARRY_COSINE = 0.6  # between the velocities of a hand and of an object it carries; guess
 
 
@@ -55,7 +55,7 @@ class Evidence(NamedTuple):
     distances: Mapping[str, float]
     carried: Collection[str] = ()
     familiarity: float | None = None
-    held: Mapping[str, str] = MappingProxyType({})
+    held: Mapping[str, str] = NOTHING_HELD
 
 
 def carried_objects(
