@@ -106,6 +106,7 @@ golden: $(READY)  ## rewrite the golden vectors, from the oracle alone
 
 train: $(READY)  ## train the estimators (SHARED=folder of wispinski2021 and hands_at_work; 10 min)
 	$(BIN)/python -m training $(SHARED)
+	$(BIN)/python -m training.palm
 
 estimators: $(READY)  ## write the tables of all estimators on all sets (REACHES=folder; half an hour)
 	$(BIN)/python docs/make_estimators.py $(REACHES)

@@ -7,7 +7,6 @@ None of the arms is one of those that ``benchmarks.measure_worn_arms`` judges by
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from functools import partial
@@ -21,7 +20,8 @@ from igrip.lab.parallel import Workers, count_jobs
 from igrip.perception.arms.end_shape import SECTIONS, end_shape
 from igrip.perception.arms.palm import FILE, FORMAT, MAX_INPUT, PalmModel
 from training.adam import DIGITS, Adam
-from training.worn_hands import SeenArm, seen_arm
+from training.network_file import write_network
+from training.worn_hands import ArmView, arm_views
 
 Array = NDArray[np.float64]
 SEEDS, ARMS = (101, 102, 103), 120  # for each seed so many arms
@@ -31,12 +31,12 @@ JITTER = 0.002  # m, of the inputs
 SIZES = (0.9, 1.1)  # every end is also taken for one of a larger or smaller person
 
 
-def rendered(count: int) -> list[SeenArm]:
+def rendered(count: int) -> list[ArmView]:
     """Return ``count`` arms of each seed, from several sides."""
-    arms: list[SeenArm] = []
+    arms: list[ArmView] = []
     workers = Workers(count_jobs(0, len(SEEDS) * count))
     for seed in SEEDS:
-        views = workers.map(partial(seen_arm, seed=seed), range(count))
+        views = workers.map(partial(arm_views, seed=seed), range(count))
         for number, own in enumerate(views, 1):
             arms += own
             print(f"\rseed {seed}: {number} of {count} arms", end="", file=sys.stderr, flush=True)
@@ -44,7 +44,7 @@ def rendered(count: int) -> list[SeenArm]:
     return arms
 
 
-def samples_of(arms: Sequence[SeenArm]) -> tuple[Array, Array, list[str]]:
+def samples_of(arms: Sequence[ArmView]) -> tuple[Array, Array, list[str]]:
     """Return inputs (n, 83), palms from the tip (n, 3) [m], and kinds."""
     inputs, palms, kinds = [], [], []
     for arm in arms:
@@ -103,9 +103,9 @@ def _fit_one(inputs: Array, palms: Array, seed: int) -> PalmModel:
         for begin in range(0, len(inputs), BATCH):
             rows = order[begin : begin + BATCH]
             size = random.uniform(*SIZES, (len(rows), 1))
-            seen = inputs[rows] + JITTER * random.standard_normal((len(rows), width))
-            seen[:, :-3] *= size
-            z = np.clip((seen - mean) / scale, -MAX_INPUT, MAX_INPUT)
+            noisy = inputs[rows] + JITTER * random.standard_normal((len(rows), width))
+            noisy[:, :-3] *= size
+            z = np.clip((noisy - mean) / scale, -MAX_INPUT, MAX_INPUT)
             hidden, bias, out_weights, out_bias = adam.weights
             units = np.tanh(z @ hidden + bias)
             error = units @ out_weights + out_bias - (palms[rows] * size - middle) / CENTIMETRE
@@ -132,12 +132,10 @@ def left_out(inputs: Array, palms: Array, kinds: Sequence[str]) -> dict[str, Arr
 
 def write_palm(model: PalmModel, provenance: dict[str, Any], path: Path) -> None:
     """Write the network as text that can be read and compared."""
-    head = {"format": FORMAT, "provenance": provenance}
-    rows = [f' "{name}": {json.dumps(np.round(value, DIGITS + 2).tolist())}'
-            for name, value in model._asdict().items()]  # fmt: skip
-    path.write_text(
-        f"{json.dumps(head, indent=1)[:-2]},\n" + ",\n".join(rows) + "\n}\n", encoding="utf-8"
-    )
+    arrays: dict[str, Array] = {
+        name: np.asarray(array).round(DIGITS + 2) for name, array in model._asdict().items()
+    }
+    write_network({"format": FORMAT, "provenance": provenance}, arrays, path)
 
 
 def main() -> int:

@@ -6,7 +6,6 @@ the time (Koenker & Bassett 1978, Econometrica 46:33-50).
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,6 +24,7 @@ from igrip.targets.learned.timing import (
 )
 from training.adam import DIGITS, Adam
 from training.moments import Frames, Recording
+from training.network_file import write_network
 
 Array = NDArray[np.float64]
 UNITS, PASSES, BATCH = 32, 12, 1024
@@ -135,7 +135,4 @@ def fit_timing(parts: Sequence[TimingSamples], seed: int) -> TimingModel:
 def write_timing(model: TimingModel, provenance: dict[str, Any], path: Path) -> None:
     """Write the network as text that can be read and compared."""
     head = {"format": FORMAT, "provenance": provenance, "inputs": INPUTS}
-    rows = [f' "{name}": {json.dumps(value.tolist())}' for name, value in model._asdict().items()]
-    path.write_text(
-        f"{json.dumps(head, indent=1)[:-2]},\n" + ",\n".join(rows) + "\n}\n", encoding="utf-8"
-    )
+    write_network(head, model._asdict(), path)

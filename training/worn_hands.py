@@ -30,7 +30,7 @@ VIEWS = 4  # of each arm
 NEAR = 0.05  # a frame that shows nothing so near to the palm does not show the hand [m]
 
 
-class SeenArm(NamedTuple):
+class ArmView(NamedTuple):
     """One arm in one frame, in the frame of the table [m]."""
 
     kind: str
@@ -40,7 +40,7 @@ class SeenArm(NamedTuple):
     palm: Array  # (3,)
 
 
-def seen_arm(number: int, seed: int) -> list[SeenArm]:
+def arm_views(number: int, seed: int) -> list[ArmView]:
     """Return a random arm from several sides; its kind goes by its number."""
     random = np.random.default_rng([seed, number])
     kind = list(KINDS)[number % len(KINDS)]
@@ -49,8 +49,8 @@ def seen_arm(number: int, seed: int) -> list[SeenArm]:
         mesh.apply_transform(np.diag([1.0, -1.0, 1.0, 1.0]))
     model = build_model(f"{kind} {number}", mesh)
     poses = (_pose(random) for _ in range(VIEWS))
-    views = ((pose, _seen(model, pose, random)) for pose in poses)
-    return [SeenArm(kind, *seen, pose[:3, 3]) for pose, seen in views if seen is not None]
+    views = ((pose, _observe(model, pose, random)) for pose in poses)
+    return [ArmView(kind, *view, pose[:3, 3]) for pose, view in views if view is not None]
 
 
 def _pose(random: Random) -> Array:
@@ -69,7 +69,7 @@ def _pose(random: Random) -> Array:
     return pose
 
 
-def _seen(model: Any, pose: Array, random: Random) -> tuple[Array, Array, Array] | None:
+def _observe(model: Any, pose: Array, random: Random) -> tuple[Array, Array, Array] | None:
     """Return points, entry and camera of an arm before a camera somewhere round the table."""
     azimuth, height = random.uniform(-np.pi, np.pi), np.radians(random.uniform(30.0, 85.0))
     away = random.uniform(0.6, 1.3)

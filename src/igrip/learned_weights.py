@@ -53,3 +53,34 @@ def numbers(content: Any, keys: Sequence[str], shape: tuple[int, ...], path: Pat
     if not fits or not np.isfinite(values).all():
         raise IgripError(f"{path}: {'.'.join(keys)} is not finite, or not of the shape {shape}")
     return values
+
+
+def layers(
+    content: Any, inputs: int, outputs: int, path: Path
+) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """Return the arrays of a network with one hidden layer.
+
+    Returns
+    -------
+    mean, scale : (inputs,)
+        Inputs are standardised by them.
+    hidden, bias : (inputs, h), (h,)
+        Of the hidden layer.
+    out_weights, out_bias : (h, outputs), (outputs,)
+        Of the outputs.
+
+    Raises
+    ------
+    IgripError
+        If one is missing or has another shape, or a scale is not positive.
+    """
+    bias = numbers(content, ["bias"], (-1,), path)
+    scale = numbers(content, ["scale"], (inputs,), path)
+    if not (scale > 0.0).all():
+        raise IgripError(f"{path}: scales must be positive")
+    return (
+        numbers(content, ["mean"], (inputs,), path), scale,
+        numbers(content, ["hidden"], (inputs, len(bias)), path), bias,
+        numbers(content, ["out_weights"], (len(bias), outputs), path),
+        numbers(content, ["out_bias"], (outputs,), path),
+    )  # fmt: skip

@@ -147,4 +147,4 @@ def test_the_source_distribution_passes_its_own_tests(built: Distributions, tmp_
     tests = ("tests/cues", "tests/golden", "tests/benchmarks/test_tree.py", "tests/packaging")
     options = outside(folder)
     options["env"]["PYTHONPATH"] = str(folder / "src")
-    run(sys.executable, "-m", "pytest", "-q", *tests, **options)
+    assert " passed" in run(sys.executable, "-m", "pytest", "-q", *tests, **options)

@@ -5,7 +5,7 @@ import pytest
 
 from igrip.perception.arms.end_shape import INPUTS
 from training.palm import fit_palm, left_out, mirrored
-from training.worn_hands import EDGE, KINDS, NEAR, seen_arm
+from training.worn_hands import EDGE, KINDS, NEAR, arm_views
 
 
 def some(count=400, seed=0):
@@ -40,8 +40,8 @@ def test_each_kind_is_left_out_once():
     assert {name: len(one) for name, one in off.items()} == {"a": 30, "b": 30}
 
 
-def test_arms_are_seen_where_they_are():
-    arms = [arm for number in range(len(KINDS)) for arm in seen_arm(number, 3)]
+def test_arms_are_where_their_points_are():
+    arms = [arm for number in range(len(KINDS)) for arm in arm_views(number, 3)]
     assert {arm.kind for arm in arms} == set(KINDS)
     for arm in arms:
         assert len(arm.points) >= 200
@@ -49,5 +49,5 @@ def test_arms_are_seen_where_they_are():
         # something of the hand is measured near the palm, and the arm comes in behind it
         assert np.linalg.norm(arm.points - arm.palm, axis=1).min() < NEAR
         assert arm.entry[1] < arm.palm[1]
-    again = seen_arm(0, 3)
+    again = arm_views(0, 3)
     assert [arm.points.tolist() for arm in again] == [a.points.tolist() for a in arms[: len(again)]]

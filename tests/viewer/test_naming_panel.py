@@ -108,4 +108,5 @@ def test_what_no_page_would_send_is_ignored(naming):
     field = page.get_by_label("Name for object_1")
     field.fill("box")
     field.press("Enter")
-    until(page, lambda: given == [("object_1", "box")])
+    until(page, lambda: given)
+    assert given == [("object_1", "box")]

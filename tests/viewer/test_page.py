@@ -185,7 +185,8 @@ def test_keys_play_and_step(shown):
     shown.page.evaluate("document.activeElement.blur()")
     for key in (" ", ",", "."):
         shown.page.keyboard.press(key)
-    wait_for(shown.page, lambda: asked == [("play", True), ("step", -1), ("step", 1)])
+    wait_for(shown.page, lambda: len(asked) >= 3)
+    assert asked == [("play", True), ("step", -1), ("step", 1)]
 
 
 def test_a_page_whose_igrip_has_ended_says_so(chromium, snapshots):
@@ -196,7 +197,9 @@ def test_a_page_whose_igrip_has_ended_says_so(chromium, snapshots):
         viewer.show(snapshots[DECIDED])
         page.locator(".card[data-hand=right]").wait_for()
         viewer.close()
-        page.get_by_text("igrip has stopped, or is out of reach. What is shown is old.").wait_for()
+        notice = page.get_by_text("igrip has stopped, or is out of reach. What is shown is old.")
+        notice.wait_for()
+        assert notice.count() == 1
     finally:
         page.close()
         viewer.close()

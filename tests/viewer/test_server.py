@@ -195,5 +195,5 @@ def test_close_frees_the_port():
     viewer = Viewer(port=0)
     port = int(viewer.url.rpartition(":")[2])
     viewer.close()
-    with socket.create_server(("127.0.0.1", port)):
-        pass
+    with socket.create_server(("127.0.0.1", port)) as other:
+        assert other.getsockname()[1] == port

@@ -8,12 +8,12 @@ import pytest
 from igrip.errors import IgripError
 from igrip.perception.arms.palm import FILE, TO_SKIN, arm_end, palm_model, read_palm
 from training.palm import SEEDS
-from training.worn_hands import KINDS, seen_arm
+from training.worn_hands import KINDS, arm_views
 
 
 def test_the_palm_of_arms_that_were_not_learned_from():
     off, stated = [], []
-    new = [arm for number in range(2 * len(KINDS)) for arm in seen_arm(number, SEEDS[0] + 1000)]
+    new = [arm for number in range(2 * len(KINDS)) for arm in arm_views(number, SEEDS[0] + 1000)]
     for arm in new:
         end = arm_end(arm.points, arm.entry, arm.camera)
         to_camera = (arm.camera - arm.palm) / np.linalg.norm(arm.camera - arm.palm)

@@ -146,11 +146,14 @@ def test_closing_from_another_thread_ends_it(clock):
     pipeline = Pipeline(FakeCamera(clock, endless=True), hand_stage, object_stage, clock)
     with pipeline:
         messages = iter(pipeline)
-        next(messages)
+        first = next(messages)
         closing = threading.Thread(target=pipeline.close)
         closing.start()
-        list(messages)
-        closing.join()
+        rest = list(messages)
+        closing.join(10.0)
+    assert not closing.is_alive()
+    assert all(message.t >= first.t for message in rest)
+    assert next(messages, None) is None
 
 
 def test_no_thread_is_left_and_stages_are_closed(clock):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from igrip.perception.scan.coverage import degrees_seen
+from igrip.perception.scan.coverage import degrees_covered
 
 
 @pytest.mark.parametrize(
@@ -15,4 +15,4 @@ from igrip.perception.scan.coverage import degrees_seen
     ],
 )  # fmt: skip
 def test_each_view_counts_for_its_arc(yaws, seen):
-    assert degrees_seen(list(np.radians(list(yaws))), 60.0) == pytest.approx(seen)
+    assert degrees_covered(list(np.radians(list(yaws))), 60.0) == pytest.approx(seen)

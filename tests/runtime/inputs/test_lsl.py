@@ -126,6 +126,7 @@ def test_text_is_observations(running, name):
 def test_what_cannot_be_read_is_named_with_what_would_do(running, name, channels, words):
     outlet(name, channels)
     until(lambda: any(words in note for note in running.notes))
+    assert not any("\n" in note for note in running.notes)  # a line each
 
 
 @pytest.mark.parametrize(("metadata", "expected"), [

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from igrip.learned_weights import numbers, read_learned
+from igrip.learned_weights import layers, numbers, read_learned
 from igrip.perception.arms.end_shape import INPUTS, end_shape
 from igrip.rgbd import Array
 
@@ -79,14 +79,8 @@ def read_palm(path: Path) -> PalmModel:
         If the file is none.
     """
     content = read_learned(path, FORMAT)
-    hidden = numbers(content, ["hidden"], (INPUTS, -1), path)
-    units = hidden.shape[1]
-    return PalmModel(
-        numbers(content, ["mean"], (INPUTS,), path), numbers(content, ["scale"], (INPUTS,), path),
-        hidden, numbers(content, ["bias"], (units,), path),
-        numbers(content, ["out_weights"], (units, OUTPUTS), path),
-        numbers(content, ["out_bias"], (OUTPUTS,), path), numbers(content, ["std"], (1,), path),
-    )  # fmt: skip
+    std = numbers(content, ["std"], (1,), path)
+    return PalmModel(*layers(content, INPUTS, OUTPUTS, path), std)
 
 
 def arm_end(points: Array, entry: Array, camera: Array) -> ArmEnd | None:

@@ -44,7 +44,7 @@ class MovingHand(NamedTuple):
         return position
 
 
-class _Seen(NamedTuple):
+class _PictureHand(NamedTuple):
     """Where a hand was in the picture."""
 
     pixels: Array  # (n, 2)
@@ -62,13 +62,13 @@ class HandMotion:
     """Follows hands by their landmarks, before one camera."""
 
     def __init__(self) -> None:
-        self._seen: list[_Seen] = []
+        self._hands: list[_PictureHand] = []
         self._count = 0
         self._t = 0.0
 
     def update(self, view: DepthView, hands: Sequence[Array], t: float) -> list[MovingHand]:
-        """Take the landmarks of a frame, (n, 2) each [pixels]; return hands with depth."""
-        before, self._seen = self._seen, []
+        """Add the landmarks of a frame, (n, 2) each [pixels]; return hands with depth."""
+        before, self._hands = self._hands, []
         elapsed, self._t = max(t - self._t, 1e-3), t
         moving = []
         for landmarks in hands:
@@ -81,8 +81,8 @@ class HandMotion:
             old = self._former(pixels, depth, before, view.intrinsics.fx)
             number = self._count if old is None else old.number
             self._count += old is None
-            now = _Seen(pixels, depths, depth, number)
-            self._seen.append(now)
+            now = _PictureHand(pixels, depths, depth, number)
+            self._hands.append(now)
             points = view.intrinsics.points(pixels, np.where(depths > 0.0, depths, depth))
             points = points @ view.table_from_camera[:3, :3].T + view.table_from_camera[:3, 3]
             shift = np.zeros(3) if old is None else _shift(old, now, view)
@@ -90,9 +90,11 @@ class HandMotion:
             moving.append(MovingHand(points, number, shift, speed))
         return moving
 
-    def _former(self, pixels: Array, depth: float, before: list[_Seen], fx: float) -> _Seen | None:
-        """Return the hand of the former frame that is nearest, and take it out of the list."""
-        taken = {seen.number for seen in self._seen}
+    def _former(
+        self, pixels: Array, depth: float, before: list[_PictureHand], fx: float
+    ) -> _PictureHand | None:
+        """Return the nearest hand of the former frame that is still free; None: none is near."""
+        taken = {hand.number for hand in self._hands}
         near = [
             (float(np.linalg.norm(np.median(pixels, axis=0) - one.middle)) * depth / fx, k)
             for k, one in enumerate(before)
@@ -139,7 +141,7 @@ def _depths_at(view: DepthView, pixels: Array) -> Array:
     return depths
 
 
-def _shift(old: _Seen, now: _Seen, view: DepthView) -> Array:
+def _shift(old: _PictureHand, now: _PictureHand, view: DepthView) -> Array:
     """Return the movement of a hand, (3,): its pixels at one depth, and the depth's change."""
     both = (old.depths > 0.0) & (now.depths > 0.0)
     deeper = float(np.median(now.depths[both] - old.depths[both])) if both.sum() > 2 else 0.0

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 
-def degrees_seen(yaws: Sequence[float], arc: float) -> float:
+def degrees_covered(yaws: Sequence[float], arc: float) -> float:
     """Return how much of a full turn views see.
 
     Parameters

@@ -10,9 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, label, maximum_filter, minimum_filter, uniform_filter
 
+from igrip.errors import requires_extra
 from igrip.perception.registration.view import DepthView
 from igrip.perception.scan.scan_view import ScanView
 from igrip.rgbd import Array
@@ -114,26 +116,18 @@ def _closed(values: Array, cell: float) -> Array:
     spaces, _ = label(values >= 0.0)
     hollow = (spaces > 0) & (spaces != spaces[0, 0, -1])
     values[hollow] = -TRUNCATED
-    return _without_pinches(values)
-
-
-def _without_pinches(values: Array) -> Array:
-    """Return values in which no two solid corners of a square touch across its diagonal alone.
-
-    There the surface would meet itself in a line, and enclose no volume.
-    """
-    for _ in range(20):
-        solid = values < 0.0
-        filled = np.zeros(values.shape, dtype=np.bool_)
-        for axis in range(3):
-            # views, so that what is written to them is written to the whole
-            now, then = np.moveaxis(solid, axis, 0), np.moveaxis(filled, axis, 0)
-            p, q = now[:, :-1, :-1], now[:, 1:, 1:]
-            r, s = now[:, :-1, 1:], now[:, 1:, :-1]
-            falling, rising = p & q & ~r & ~s, r & s & ~p & ~q
-            then[:, :-1, 1:] |= falling
-            then[:, :-1, :-1] |= rising
-        if not filled.any():
-            break
-        values = np.where(filled, -0.05, values)
     return values
+
+
+def surface_of(body: Body) -> trimesh.Trimesh:
+    """Return the surface of a body, closed, its normals outward, in the frame of the object [m].
+
+    Marching cubes (Lewiner et al. 2003), as of scikit-image.
+    """
+    with requires_extra("skimage", "poses", "igrip scan"):
+        from skimage.measure import marching_cubes
+    # triangles without an area are kept: without them the mesh would have gaps
+    vertices, faces, _, _ = marching_cubes(body.values, 0.0, allow_degenerate=True)
+    return trimesh.Trimesh(
+        body.origin + body.cell * vertices.astype(np.float64), faces, process=False
+    )

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from igrip.errors import IgripError
 from igrip.perception.registration.table import Table
-from igrip.perception.scan.coverage import degrees_seen
+from igrip.perception.scan.coverage import degrees_covered
 from igrip.perception.scan.find import NO_TABLE, Sighting, Unseen, find_thing
-from igrip.perception.scan.fuse import fused
+from igrip.perception.scan.fuse import fused, surface_of
 from igrip.perception.scan.joint import joined, polished
 from igrip.perception.scan.options import ScanOptions
 from igrip.perception.scan.planar_pose import PlanarPose, wrapped
@@ -20,7 +20,6 @@ from igrip.perception.scan.register import cloud_of, register
 from igrip.perception.scan.revolve import views_all_round
 from igrip.perception.scan.scan_view import ScanView, scan_view
 from igrip.perception.scan.stillness import LastMoment, is_same
-from igrip.perception.scan.surface_nets import mesh_of
 from igrip.perception.transforms import inverse, rigid
 from igrip.rgbd import Array, RgbdFrame
 
@@ -78,7 +77,7 @@ class Scanner:
         """How far round the thing was seen, at most 360."""
         if self._round:
             return 360.0 if self.views else 0.0
-        return degrees_seen([view.pose.yaw for view in self.views], self.options.arc)
+        return degrees_covered([view.pose.yaw for view in self.views], self.options.arc)
 
     @property
     def done(self) -> bool:
@@ -140,7 +139,7 @@ class Scanner:
         else:
             views = joined(self.views, self._random)
             self.views = polished(views, cloud_of(views).centre)
-        mesh = mesh_of(fused(self.views, self.options.cell))
+        mesh = surface_of(fused(self.views, self.options.cell))
         middle = mesh.bounds.mean(axis=0)
         self.views = [
             view.placed(view.pose.moved(0.0, -float(middle[0]), -float(middle[1])))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from igrip.compiled import kernel
 from igrip.errors import IgripError
 from igrip.geometry.cylinder import Cylinders, distance_from
-from igrip.learned_weights import numbers, read_learned
+from igrip.learned_weights import layers, read_learned
 from igrip.motion.trajectory import Motion
 from igrip.targets.learned.features import LOCAL, SHARED, features_of
 
@@ -162,15 +162,4 @@ def read_timing(path: Path) -> TimingModel:
     content = read_learned(path, FORMAT)
     if tuple(content.get("inputs", ())) != INPUTS:
         raise IgripError(f"{path}: was made for other inputs; retrain it (make train)")
-    width, outputs = len(INPUTS), 2 * len(QUANTILES)
-    units = len(numbers(content, ["bias"], (-1,), path))
-    scale = numbers(content, ["scale"], (width,), path)
-    if not (scale > 0.0).all():
-        raise IgripError(f"{path}: scales must be positive")
-    return TimingModel(
-        numbers(content, ["mean"], (width,), path), scale,
-        numbers(content, ["hidden"], (width, units), path),
-        numbers(content, ["bias"], (units,), path),
-        numbers(content, ["out_weights"], (units, outputs), path),
-        numbers(content, ["out_bias"], (outputs,), path),
-    )  # fmt: skip
+    return TimingModel(*layers(content, len(INPUTS), 2 * len(QUANTILES), path))
